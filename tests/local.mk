@@ -2,19 +2,21 @@
 # room lists its own; tests of whole programs are shell scripts in e2e.
 AM_TESTS_ENVIRONMENT = \
 	top_srcdir='$(abs_top_srcdir)'; export top_srcdir; \
-	top_builddir='$(abs_top_builddir)'; export top_builddir; \
-	CK_DEFAULT_TIMEOUT=$${CK_DEFAULT_TIMEOUT:-600}; \
-	export CK_DEFAULT_TIMEOUT;
+	top_builddir='$(abs_top_builddir)'; export top_builddir;
 
 UNIT_TESTS =
+LIBUNIT =
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
+check_LIBRARIES = libunit.a
+libunit_a_SOURCES = tests/unit.c
+LIBUNIT += libunit.a
 TESTS += $(UNIT_TESTS)
 endif
 
 # Where nothing else is said the test x is made of x.c alone, and linked with
 # these; what it does not call of them is left out.
-LDADD = libclient.a $(LIBDAEMON) $(LIBRAD) $(CHECK_LIBS)
+LDADD = $(LIBUNIT) libclient.a $(LIBDAEMON) $(LIBRAD) $(CHECK_LIBS)
 
 # for the tests of several rooms
 noinst_HEADERS = \

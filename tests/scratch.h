@@ -1,7 +1,6 @@
 /* scratch.h - a folder for the test that runs; it goes with all that is in it
  *
- * For tcase_add_checked_fixture().  All is static: each test program has its
- * own. */
+ * For FIXTURE().  All is static: each test program has its own. */
 #ifndef RADD_TESTS_SCRATCH_H
 #define RADD_TESTS_SCRATCH_H
 

@@ -83,6 +83,8 @@ tear_down(void)
     world_close(&v);
 }
 
+FIXTURE(set_up, tear_down)
+
 static void
 write_file(enum ambfile_format format)
 {
@@ -106,7 +108,7 @@ read_file(const struct world *by, enum ambfile_format format)
     return b.format;
 }
 
-START_TEST(our_file_loses_nothing)
+TEST(our_file_loses_nothing)
 {
     write_file(AMBFILE_OURS);
     ck_assert_int_eq(read_file(&w, AMBFILE_RADIANCE), AMBFILE_OURS);
@@ -122,7 +124,6 @@ START_TEST(our_file_loses_nothing)
         ck_assert_uint_eq(taken.rec[i].level, listed.rec[i].level);
     }
 }
-END_TEST
 
 static void
 ck_near(const float *a, const float *b, int n, double tol)
@@ -132,7 +133,7 @@ ck_near(const float *a, const float *b, int n, double tol)
                                 tol * (1 + fabs((double)b[i])));
 }
 
-START_TEST(radiance_file_keeps_what_it_has_room_for)
+TEST(radiance_file_keeps_what_it_has_room_for)
 {
     write_file(AMBFILE_RADIANCE);
     ck_assert_int_eq(read_file(&w, AMBFILE_OURS), AMBFILE_RADIANCE);
@@ -154,7 +155,6 @@ START_TEST(radiance_file_keeps_what_it_has_room_for)
         ck_assert_uint_eq(got->level, put->level);
     }
 }
-END_TEST
 
 /* A file of the other scene or options, or a part of one; each row spoils one
  * thing and names what is said. */
@@ -174,7 +174,7 @@ static const struct {
     { OPTIONS, SCENE, 1, AMBFILE_RADIANCE, "in the middle" },
 };
 
-START_TEST(what_does_not_fit_is_refused)
+LOOP_TEST(what_does_not_fit_is_refused, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
     struct ambfile b;
@@ -191,20 +191,18 @@ START_TEST(what_does_not_fit_is_refused)
     ck_assert_msg(strstr(err.what, bad[_i].what) != NULL, "%s", err.what);
     ck_assert_uint_eq(taken.n, 0);
 }
-END_TEST
 
 /* How pixels are placed does not matter. */
-START_TEST(other_pixels_use_the_same_records)
+TEST(other_pixels_use_the_same_records)
 {
     write_file(AMBFILE_OURS);
     world_open(&v, ROOM, OPTIONS " -x 99 -pa 0 -ps 1 -pj .5 -pt .2");
     read_file(&v, AMBFILE_OURS);
     ck_assert_uint_gt(taken.n, 0);
 }
-END_TEST
 
 /* Written once and read again, nothing is left to be sampled. */
-START_TEST(second_run_makes_no_records)
+TEST(second_run_makes_no_records)
 {
     char path[] = "check_ambfile.XXXXXX";
     int fd = mkstemp(path);
@@ -228,9 +226,8 @@ START_TEST(second_run_makes_no_records)
     }
     unlink(path);
 }
-END_TEST
 
-START_TEST(records_of_another_place_are_refused)
+TEST(records_of_another_place_are_refused)
 {
     char path[] = "check_ambfile.XXXXXX";
     int fd = mkstemp(path);
@@ -249,10 +246,9 @@ START_TEST(records_of_another_place_are_refused)
     ck_assert_str_eq(err.where, path);
     unlink(path);
 }
-END_TEST
 
 /* rtrace makes such records for sensors outside of the scene */
-START_TEST(records_outside_are_left_out)
+TEST(records_outside_are_left_out)
 {
     struct rad_error err = { 0 };
     struct wire_out all;
@@ -271,11 +267,10 @@ START_TEST(records_outside_are_left_out)
     ck_assert_uint_eq(rad_ambient_count(v.job->ambient), listed.n);
     wire_out_release(&all);
 }
-END_TEST
 
 /* A list as it travels becomes the same file; a cache takes it whole, or says
  * what is wrong. */
-START_TEST(a_list_is_as_good_as_a_cache)
+TEST(a_list_is_as_good_as_a_cache)
 {
     struct rad_error err = { 0 };
     struct wire_out list_of;
@@ -315,22 +310,4 @@ START_TEST(a_list_is_as_good_as_a_cache)
     ck_assert_msg(strstr(err.what, "fits the scene") != NULL, "%s", err.what);
     free(bytes2);
     wire_out_release(&list_of);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("file");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, our_file_loses_nothing);
-    tcase_add_test(tc, radiance_file_keeps_what_it_has_room_for);
-    tcase_add_loop_test(tc, what_does_not_fit_is_refused, 0, N_ELEM(bad));
-    tcase_add_test(tc, other_pixels_use_the_same_records);
-    tcase_add_test(tc, second_run_makes_no_records);
-    tcase_add_test(tc, records_of_another_place_are_refused);
-    tcase_add_test(tc, records_outside_are_left_out);
-    tcase_add_test(tc, a_list_is_as_good_as_a_cache);
-    return unit_run_case(tc);
 }

@@ -31,14 +31,15 @@ static const struct {
     { 9.996, 3, "10" },    { 1e-9, 2, "0" },
 };
 
-START_TEST(a_figure_has_no_exponent)
+FIXTURE(scratch_make, scratch_remove)
+
+LOOP_TEST(a_figure_has_no_exponent, N_ELEM(figures))
 {
     char text[FIGURE_TEXT];
 
     ck_assert_str_eq(figure(text, figures[_i].x, figures[_i].digits),
                      figures[_i].text);
 }
-END_TEST
 
 static const struct {
     const char *text;
@@ -64,7 +65,7 @@ static const struct {
     { "", RAD_EUSAGE, false, "", "" },
 };
 
-START_TEST(addresses_are_taken_apart)
+LOOP_TEST(addresses_are_taken_apart, N_ELEM(addresses))
 {
     struct target t;
 
@@ -76,7 +77,6 @@ START_TEST(addresses_are_taken_apart)
     ck_assert_str_eq(t.local ? t.path : t.host, addresses[_i].host);
     ck_assert_str_eq(t.port, addresses[_i].port);
 }
-END_TEST
 
 static const struct {
     const char *command;
@@ -93,7 +93,7 @@ static const struct {
     { "", false, "" },
 };
 
-START_TEST(launchers_are_numbered)
+LOOP_TEST(launchers_are_numbered, N_ELEM(launches))
 {
     char *text = launch_command(launches[_i].command, 3);
 
@@ -101,7 +101,6 @@ START_TEST(launchers_are_numbered)
     ck_assert_int_eq(launch_each(launches[_i].command), launches[_i].each);
     free(text);
 }
-END_TEST
 
 static const struct {
     const char *given, *dial, *listen; /* dial NULL: refused */
@@ -118,7 +117,7 @@ static const struct {
     { ":7000", NULL, NULL },
 };
 
-START_TEST(workers_are_told_where_to_dial)
+LOOP_TEST(workers_are_told_where_to_dial, N_ELEM(launch_addresses))
 {
     char dial[LAUNCH_ADDRESS], listen[LAUNCH_ADDRESS];
     struct rad_error err = { 0 };
@@ -132,9 +131,8 @@ START_TEST(workers_are_told_where_to_dial)
     ck_assert_str_eq(dial, launch_addresses[_i].dial);
     ck_assert_str_eq(listen, launch_addresses[_i].listen);
 }
-END_TEST
 
-START_TEST(an_address_is_chosen_for_workers)
+TEST(an_address_is_chosen_for_workers)
 {
     char dial[LAUNCH_ADDRESS], listen[LAUNCH_ADDRESS];
     struct rad_error err = { 0 };
@@ -144,9 +142,8 @@ START_TEST(an_address_is_chosen_for_workers)
     ck_assert_str_eq(strrchr(dial, ':'), ":0");
     ck_assert_str_ne(dial, "0.0.0.0:0");
 }
-END_TEST
 
-START_TEST(coordinator_comes_from_the_first_place_that_names_one)
+TEST(coordinator_comes_from_the_first_place_that_names_one)
 {
     struct target t;
     struct rad_error err = { 0 };
@@ -185,9 +182,8 @@ START_TEST(coordinator_comes_from_the_first_place_that_names_one)
     ck_assert_ptr_nonnull(strstr(err.where, "radsubmit.conf:2"));
     ck_assert_str_eq(err.what, "'key' is there twice");
 }
-END_TEST
 
-START_TEST(coordinator_of_this_machine_is_at_its_socket)
+TEST(coordinator_of_this_machine_is_at_its_socket)
 {
     struct target t;
 
@@ -198,7 +194,6 @@ START_TEST(coordinator_of_this_machine_is_at_its_socket)
     ck_assert(t.local);
     ck_assert_str_eq(t.path, "/run/radd/radcoord.sock");
 }
-END_TEST
 
 static const struct {
     const char *pattern;
@@ -219,7 +214,7 @@ static const struct {
     { "f%", 1, NULL },
 };
 
-START_TEST(frame_numbers_go_into_names)
+LOOP_TEST(frame_numbers_go_into_names, N_ELEM(frames))
 {
     char *name = NULL;
     int rc =
@@ -233,9 +228,8 @@ START_TEST(frame_numbers_go_into_names)
     }
     free(name);
 }
-END_TEST
 
-START_TEST(outputs_are_whole_or_not_there)
+TEST(outputs_are_whole_or_not_there)
 {
     struct rad_output out;
     struct rad_error err = { 0 };
@@ -268,10 +262,9 @@ START_TEST(outputs_are_whole_or_not_there)
     ck_assert_int_eq(stat("/dev/null", &st), 0);
     ck_assert(S_ISCHR(st.st_mode));
 }
-END_TEST
 
 /* The temporary name is no longer than what a folder takes. */
-START_TEST(outputs_may_have_the_longest_name)
+TEST(outputs_may_have_the_longest_name)
 {
     char name[NAME_MAX + 2], path[PATH_MAX];
     struct rad_error err = { 0 };
@@ -285,9 +278,8 @@ START_TEST(outputs_may_have_the_longest_name)
     strcat(path, "a");
     ck_assert_int_eq(rad_output_check(path, NULL), RAD_ECANTCREAT);
 }
-END_TEST
 
-START_TEST(outputs_that_cannot_be_are_known_before)
+TEST(outputs_that_cannot_be_are_known_before)
 {
     char path[240];
 
@@ -300,7 +292,6 @@ START_TEST(outputs_that_cannot_be_are_known_before)
     ck_assert_int_eq(rad_output_check(path, NULL), 0);
     ck_assert_int_eq(rad_output_check("/dev/null", NULL), 0);
 }
-END_TEST
 
 static const struct {
     struct progress_report r;
@@ -322,7 +313,7 @@ static const struct {
     { { 9, 1, 5, 0, true }, 99960, 0, "100 %  100 k rays/s" },
 };
 
-START_TEST(progress_says_what_is_left)
+LOOP_TEST(progress_says_what_is_left, N_ELEM(lines))
 {
     char buf[200];
 
@@ -330,9 +321,8 @@ START_TEST(progress_says_what_is_left)
                     lines[_i].left_s);
     ck_assert_str_eq(buf, lines[_i].line);
 }
-END_TEST
 
-START_TEST(progress_comes_as_often_as_asked)
+TEST(progress_comes_as_often_as_asked)
 {
     struct progress_report r = { .rays = 100, .workers = 1 };
     struct progress p;
@@ -360,9 +350,8 @@ START_TEST(progress_comes_as_often_as_asked)
     ck_assert_ptr_null(strchr(text, '\r'));
     free(text);
 }
-END_TEST
 
-START_TEST(time_without_reports_is_not_time_alone)
+TEST(time_without_reports_is_not_time_alone)
 {
     struct progress_alone a = { 0, 0 };
     struct progress_report r = { .elapsed_s = .5, .workers = 1 };
@@ -385,9 +374,8 @@ START_TEST(time_without_reports_is_not_time_alone)
     r.workers = 1;
     ck_assert_double_eq(progress_alone(&a, &r, true), 0);
 }
-END_TEST
 
-START_TEST(progress_ends_with_the_mean_rate)
+TEST(progress_ends_with_the_mean_rate)
 {
     struct progress p;
     struct progress_report half = { .elapsed_s = 1, .done = .5, .rays = 900 };
@@ -404,7 +392,6 @@ START_TEST(progress_ends_with_the_mean_rate)
     ck_assert_str_eq(buf, "100 %  100 rays/s\n");
     fclose(f);
 }
-END_TEST
 
 /* What a terminal of so many columns shows of a report, then of a shorter one,
  * and when the line is removed. */
@@ -421,7 +408,7 @@ static const struct {
     { 12, "\r 50 %  100 \r100 %  100 \r           \r" },
 };
 
-START_TEST(progress_keeps_to_its_line_of_a_terminal)
+LOOP_TEST(progress_keeps_to_its_line_of_a_terminal, N_ELEM(terminals))
 {
     struct winsize size = { .ws_col = terminals[_i].columns };
     struct progress_report half = { 10, .5, 1000, 1, true };
@@ -450,9 +437,8 @@ START_TEST(progress_keeps_to_its_line_of_a_terminal)
     ck_assert_str_eq(buf, terminals[_i].shown);
     close(master);
 }
-END_TEST
 
-START_TEST(progress_is_silent_where_nobody_looks)
+TEST(progress_is_silent_where_nobody_looks)
 {
     struct progress p;
     struct progress_report r = { 10, .5, 1000, 1, true };
@@ -470,7 +456,6 @@ START_TEST(progress_is_silent_where_nobody_looks)
     ck_assert_str_eq(buf, " 50 %  100 rays/s  0:10 left  1 worker\n");
     fclose(f);
 }
-END_TEST
 
 static const struct {
     const char *json, *text;
@@ -499,7 +484,7 @@ static const struct {
       "事事事事事事事事事事事事事...\n" },
 };
 
-START_TEST(json_is_a_table_for_people)
+LOOP_TEST(json_is_a_table_for_people, N_ELEM(tables))
 {
     json_t *root = json_loads(tables[_i].json, 0, NULL);
     FILE *f = tmpfile();
@@ -515,10 +500,9 @@ START_TEST(json_is_a_table_for_people)
     fclose(f);
     json_decref(root);
 }
-END_TEST
 
 /* Thousands of rows, each once. */
-START_TEST(tables_have_any_length)
+TEST(tables_have_any_length)
 {
     json_t *root = json_array();
     FILE *f = tmpfile();
@@ -537,35 +521,4 @@ START_TEST(tables_have_any_length)
     ck_assert_ptr_null(fgets(buf, sizeof buf, f));
     fclose(f);
     json_decref(root);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("client");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_loop_test(tc, a_figure_has_no_exponent, 0, N_ELEM(figures));
-    tcase_add_loop_test(tc, addresses_are_taken_apart, 0, N_ELEM(addresses));
-    tcase_add_loop_test(tc, launchers_are_numbered, 0, N_ELEM(launches));
-    tcase_add_loop_test(tc, workers_are_told_where_to_dial, 0,
-                        N_ELEM(launch_addresses));
-    tcase_add_test(tc, an_address_is_chosen_for_workers);
-    tcase_add_test(tc, coordinator_comes_from_the_first_place_that_names_one);
-    tcase_add_test(tc, coordinator_of_this_machine_is_at_its_socket);
-    tcase_add_loop_test(tc, frame_numbers_go_into_names, 0, N_ELEM(frames));
-    tcase_add_test(tc, outputs_are_whole_or_not_there);
-    tcase_add_test(tc, outputs_may_have_the_longest_name);
-    tcase_add_test(tc, outputs_that_cannot_be_are_known_before);
-    tcase_add_loop_test(tc, progress_says_what_is_left, 0, N_ELEM(lines));
-    tcase_add_test(tc, progress_comes_as_often_as_asked);
-    tcase_add_test(tc, time_without_reports_is_not_time_alone);
-    tcase_add_test(tc, progress_ends_with_the_mean_rate);
-    tcase_add_loop_test(tc, progress_keeps_to_its_line_of_a_terminal, 0,
-                        N_ELEM(terminals));
-    tcase_add_test(tc, progress_is_silent_where_nobody_looks);
-    tcase_add_loop_test(tc, json_is_a_table_for_people, 0, N_ELEM(tables));
-    tcase_add_test(tc, tables_have_any_length);
-    return unit_run_case(tc);
 }

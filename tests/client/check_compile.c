@@ -25,6 +25,8 @@ set_up(void)
     unsetenv("RAYPATH");
 }
 
+FIXTURE(set_up, scratch_remove)
+
 /* dir/name, good until eight more were asked for */
 static const char *
 in_dir(const char *name)
@@ -73,7 +75,7 @@ message_of(const char *text)
 
 /* --- commands ------------------------------------------------------------ */
 
-START_TEST(commands_run_in_their_files_folder)
+TEST(commands_run_in_their_files_folder)
 {
     const char *file;
     struct compiled c;
@@ -88,11 +90,10 @@ START_TEST(commands_run_in_their_files_folder)
     ck_assert_int_eq(c.scene->objects[1].type, RAD_BUBBLE);
     compile_release(&c);
 }
-END_TEST
 
 /* As Radiance runs them there, for whoever writes names from a project's folder
  * on; the scene file's own folder comes first. */
-START_TEST(commands_run_in_our_folder_for_files_that_are_only_there)
+TEST(commands_run_in_our_folder_for_files_that_are_only_there)
 {
     char *here = getcwd(NULL, 0);
     const char *file = "sub/a.rad";
@@ -115,9 +116,8 @@ START_TEST(commands_run_in_our_folder_for_files_that_are_only_there)
     ck_assert_int_eq(chdir(here), 0);
     free(here);
 }
-END_TEST
 
-START_TEST(much_output_is_read)
+TEST(much_output_is_read)
 {
     static const char text[] =
         "!i=0; while [ $i -lt 4000 ]; do echo 'void sphere a.long.name.for.it"
@@ -131,7 +131,6 @@ START_TEST(much_output_is_read)
     ck_assert(c.scene->objects[3999].reals[3] == 3999.5);
     compile_release(&c);
 }
-END_TEST
 
 static const struct {
     const char *text, *message;
@@ -166,7 +165,7 @@ static const struct {
       "no-such-generator_x # made'" },
 };
 
-START_TEST(failing_commands_are_named)
+LOOP_TEST(failing_commands_are_named, N_ELEM(failing))
 {
     const char *message;
     int keep = dup(STDERR_FILENO), null = open("/dev/null", O_WRONLY);
@@ -181,9 +180,8 @@ START_TEST(failing_commands_are_named)
     else
         ck_assert_str_eq(message, failing[_i].message);
 }
-END_TEST
 
-START_TEST(a_stopped_pipeline_leaves_nothing_running)
+TEST(a_stopped_pipeline_leaves_nothing_running)
 {
     char line[32] = "";
     FILE *f;
@@ -199,15 +197,13 @@ START_TEST(a_stopped_pipeline_leaves_nothing_running)
         usleep(1000);
     ck_assert_int_eq(errno, ESRCH);
 }
-END_TEST
 
-START_TEST(commands_have_no_standard_input)
+TEST(commands_have_no_standard_input)
 {
     ck_assert_str_eq(message_of("!cat\n" SPHERE), "");
 }
-END_TEST
 
-START_TEST(signals_are_restored)
+TEST(signals_are_restored)
 {
     struct sigaction act = { .sa_handler = SIG_DFL };
 
@@ -216,7 +212,6 @@ START_TEST(signals_are_restored)
     ck_assert_int_eq(sigaction(SIGINT, NULL, &act), 0);
     ck_assert(act.sa_handler == SIG_DFL);
 }
-END_TEST
 
 /* --- files --------------------------------------------------------------- */
 
@@ -250,7 +245,7 @@ manifest_of(struct compiled *c)
     return text;
 }
 
-START_TEST(bundle_has_all_that_is_needed)
+TEST(bundle_has_all_that_is_needed)
 {
     struct compiled c;
     struct rad_bundle_dir where = { &c.bundle, in_dir("out") };
@@ -280,9 +275,8 @@ START_TEST(bundle_has_all_that_is_needed)
     free(manifest);
     compile_release(&c);
 }
-END_TEST
 
-START_TEST(equal_scenes_have_equal_manifests)
+TEST(equal_scenes_have_equal_manifests)
 {
     struct compiled c;
     char *here, *there, cwd[PATH_MAX];
@@ -303,9 +297,8 @@ START_TEST(equal_scenes_have_equal_manifests)
     free(here);
     free(there);
 }
-END_TEST
 
-START_TEST(a_missing_file_names_its_object)
+TEST(a_missing_file_names_its_object)
 {
     char text[512];
 
@@ -321,9 +314,8 @@ START_TEST(a_missing_file_names_its_object)
                    "0 1 0\n" SPHERE),
         "");
 }
-END_TEST
 
-START_TEST(raypath_is_searched_in_order)
+TEST(raypath_is_searched_in_order)
 {
     struct paths p;
     struct rad_error err = { 0 };
@@ -372,11 +364,10 @@ START_TEST(raypath_is_searched_in_order)
     ck_assert_int_eq(err.code, RAD_ENOINPUT);
     paths_release(&p);
 }
-END_TEST
 
 /* --- scene files --------------------------------------------------------- */
 
-START_TEST(files_make_one_scene)
+TEST(files_make_one_scene)
 {
     const char *files[2] = { in_dir("m.rad"), in_dir("s.rad") };
     struct compiled c;
@@ -387,7 +378,6 @@ START_TEST(files_make_one_scene)
     ck_assert_int_eq(c.scene->objects[1].modifier, 0);
     compile_release(&c);
 }
-END_TEST
 
 /* Freeze dir/a.rad to dir/a.oct. */
 static void
@@ -407,7 +397,7 @@ freeze(void)
     compile_release(&c);
 }
 
-START_TEST(an_octree_is_a_scene_whatever_its_name)
+TEST(an_octree_is_a_scene_whatever_its_name)
 {
     const char *files[2];
     struct compiled c;
@@ -429,9 +419,8 @@ START_TEST(an_octree_is_a_scene_whatever_its_name)
     ck_assert_int_eq(c.scene->nobjects, 2);
     compile_release(&c);
 }
-END_TEST
 
-START_TEST(a_scene_comes_from_standard_input)
+TEST(a_scene_comes_from_standard_input)
 {
     const char *file = "-";
     struct compiled c;
@@ -442,7 +431,6 @@ START_TEST(a_scene_comes_from_standard_input)
     ck_assert_int_eq(c.scene->nobjects, 2);
     compile_release(&c);
 }
-END_TEST
 
 static void
 count_errors(void *arg, const struct rad_error *err)
@@ -451,7 +439,7 @@ count_errors(void *arg, const struct rad_error *err)
     ++*(int *)arg;
 }
 
-START_TEST(every_error_is_told_once)
+TEST(every_error_is_told_once)
 {
     const char *files[3] = { in_dir("none.rad"), in_dir("a.rad"),
                              in_dir("b.rad") };
@@ -474,10 +462,9 @@ START_TEST(every_error_is_told_once)
         RAD_ENOINPUT);
     ck_assert_int_eq(n, 2);
 }
-END_TEST
 
 /* The scenes of other people, where they are: ours must read them whole. */
-START_TEST(known_scenes_compile)
+LOOP_TEST(known_scenes_compile, 4)
 {
     static const struct {
         const char *file;
@@ -510,9 +497,8 @@ START_TEST(known_scenes_compile)
     ck_assert_int_eq(c.scene->nobjects, scenes[_i].objects);
     compile_release(&c);
 }
-END_TEST
 
-START_TEST(the_example_compiles)
+TEST(the_example_compiles)
 {
     const char *top = getenv("top_srcdir"), *file;
     char path[PATH_MAX];
@@ -526,33 +512,4 @@ START_TEST(the_example_compiles)
         ck_abort_msg("%s: %s", err.where, err.what);
     ck_assert_int_gt(c.scene->nobjects, 100);
     compile_release(&c);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("compile");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_checked_fixture(tc, set_up, scratch_remove);
-    tcase_add_test(tc, commands_run_in_their_files_folder);
-    tcase_add_test(tc,
-                   commands_run_in_our_folder_for_files_that_are_only_there);
-    tcase_add_test(tc, much_output_is_read);
-    tcase_add_loop_test(tc, failing_commands_are_named, 0, N_ELEM(failing));
-    tcase_add_test(tc, a_stopped_pipeline_leaves_nothing_running);
-    tcase_add_test(tc, commands_have_no_standard_input);
-    tcase_add_test(tc, signals_are_restored);
-    tcase_add_test(tc, bundle_has_all_that_is_needed);
-    tcase_add_test(tc, equal_scenes_have_equal_manifests);
-    tcase_add_test(tc, a_missing_file_names_its_object);
-    tcase_add_test(tc, raypath_is_searched_in_order);
-    tcase_add_test(tc, files_make_one_scene);
-    tcase_add_test(tc, an_octree_is_a_scene_whatever_its_name);
-    tcase_add_test(tc, a_scene_comes_from_standard_input);
-    tcase_add_test(tc, every_error_is_told_once);
-    tcase_add_loop_test(tc, known_scenes_compile, 0, 4);
-    tcase_add_test(tc, the_example_compiles);
-    return unit_run_case(tc);
 }

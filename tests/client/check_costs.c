@@ -60,7 +60,7 @@ static const struct {
 
 /* Who wants the cost of windows finds them as they were; bars say no more than
  * their rows do. */
-START_TEST(windows_are_kept)
+TEST(windows_are_kept)
 {
     struct costs c;
 
@@ -77,9 +77,8 @@ START_TEST(windows_are_kept)
     ck_assert_ptr_null(c.frames[0].window);
     costs_release(&c);
 }
-END_TEST
 
-START_TEST(units_are_spread_over_lines)
+LOOP_TEST(units_are_spread_over_lines, N_ELEM(good))
 {
     const struct msg_frame frame = { .width = 20, .height = 10 };
     struct rad_error err = { 0 };
@@ -102,10 +101,9 @@ START_TEST(units_are_spread_over_lines)
     free(bytes);
     costs_release(&c);
 }
-END_TEST
 
 /* Frames are known by their order, whatever number the first has. */
-START_TEST(frames_of_an_animation_follow_each_other)
+TEST(frames_of_an_animation_follow_each_other)
 {
     static const char text[] = HEAD("2")
         UNIT("8", "0", "0", "20", "10", "1",
@@ -127,7 +125,6 @@ START_TEST(frames_of_an_animation_follow_each_other)
     free(bytes);
     costs_release(&c);
 }
-END_TEST
 
 static const struct {
     uint32_t width, height, n;
@@ -140,7 +137,7 @@ static const struct {
     { 20, 10, 1, 4, "4 rows apart, not 3" },
 };
 
-START_TEST(another_picture_is_refused)
+LOOP_TEST(another_picture_is_refused, N_ELEM(others))
 {
     const struct msg_frame frames[2] = {
         { .width = others[_i].width, .height = others[_i].height },
@@ -159,7 +156,6 @@ START_TEST(another_picture_is_refused)
     ck_assert_ptr_null(bytes);
     costs_release(&c);
 }
-END_TEST
 
 #define ONE UNIT("0", "0", "0", "20", "5", "7", "1")
 
@@ -205,7 +201,7 @@ static const struct {
       "a wrong -ps" },
 };
 
-START_TEST(bad_statistics_are_refused)
+LOOP_TEST(bad_statistics_are_refused, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
     struct costs c;
@@ -215,9 +211,8 @@ START_TEST(bad_statistics_are_refused)
     ck_assert_msg(strstr(err.what, bad[_i].what) != NULL, "%s", err.what);
     costs_release(&c);
 }
-END_TEST
 
-START_TEST(files_are_named)
+TEST(files_are_named)
 {
     char path[] = "/tmp/check_costs.XXXXXX";
     struct rad_error err = { 0 };
@@ -234,19 +229,4 @@ START_TEST(files_are_named)
     err = (struct rad_error){ 0 };
     ck_assert_int_eq(costs_read(&c, path, &err), RAD_ENOINPUT);
     costs_release(&c);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("costs");
-
-    tcase_add_test(tc, windows_are_kept);
-    tcase_add_loop_test(tc, units_are_spread_over_lines, 0, N_ELEM(good));
-    tcase_add_test(tc, frames_of_an_animation_follow_each_other);
-    tcase_add_loop_test(tc, another_picture_is_refused, 0, N_ELEM(others));
-    tcase_add_loop_test(tc, bad_statistics_are_refused, 0, N_ELEM(bad));
-    tcase_add_test(tc, files_are_named);
-    return unit_run_case(tc);
 }

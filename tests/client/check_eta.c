@@ -100,7 +100,7 @@ take(struct eta *e, const struct report *r)
 
 /* Within a factor of two while much is left; then within three tenths of the
  * whole. */
-START_TEST(time_left_is_within_a_factor_of_two)
+LOOP_TEST(time_left_is_within_a_factor_of_two, N_ELEM(jobs))
 {
     const struct report *r = jobs[_i].at, *end = r + jobs[_i].n - 1;
     struct eta e = { 0 };
@@ -124,9 +124,8 @@ START_TEST(time_left_is_within_a_factor_of_two)
     ck_assert_int_gt(said, jobs[_i].n - 6); /* and it was told early */
     ck_assert_double_eq(take(&e, end), 0);
 }
-END_TEST
 
-START_TEST(nothing_is_said_before_something_is_known)
+TEST(nothing_is_said_before_something_is_known)
 {
     struct eta e = { 0 };
     struct eta_look look = { 1, 0, 0, true };
@@ -145,9 +144,8 @@ START_TEST(nothing_is_said_before_something_is_known)
     look = (struct eta_look){ 4, .4, 300, false }; /* paused */
     ck_assert_double_lt(eta_take(&e, &look), 0);
 }
-END_TEST
 
-START_TEST(time_that_nobody_works_is_left_out)
+TEST(time_that_nobody_works_is_left_out)
 {
     struct eta e = { 0 };
     struct eta_look look = { 0, 0, 0, true };
@@ -166,9 +164,8 @@ START_TEST(time_that_nobody_works_is_left_out)
     look.rays = 110;
     ck_assert_double_eq_tol(eta_take(&e, &look), 89, 1e-6);
 }
-END_TEST
 
-START_TEST(more_workers_are_seen)
+TEST(more_workers_are_seen)
 {
     struct eta e = { 0 };
     struct eta_look look = { 0, 0, 0, true };
@@ -184,10 +181,9 @@ START_TEST(more_workers_are_seen)
     ck_assert_double_gt(left, 150);
     ck_assert_double_lt(left, 260);
 }
-END_TEST
 
 /* A coordinator may lose what was under way. */
-START_TEST(a_job_may_begin_again)
+TEST(a_job_may_begin_again)
 {
     struct eta e = { 0 };
     struct eta_look look = { 10, 0, 500, true };
@@ -197,11 +193,10 @@ START_TEST(a_job_may_begin_again)
     look = (struct eta_look){ 5, 0, 100, true };
     ck_assert_double_eq_tol(eta_take(&e, &look), 45, 1e-9);
 }
-END_TEST
 
 /* Twice as many rays came as were foreseen, and a third of the picture is
  * there. */
-START_TEST(a_trial_that_foresaw_too_little_is_no_end)
+TEST(a_trial_that_foresaw_too_little_is_no_end)
 {
     struct eta e = { 0 };
     struct eta_look look = { 100, 1. / 3, 2000, true };
@@ -214,7 +209,6 @@ START_TEST(a_trial_that_foresaw_too_little_is_no_end)
     ck_assert(isfinite(eta_by_share(&e, .5)));
     ck_assert(isinf(eta_by_share(&e, 0)));
 }
-END_TEST
 
 /* A trial of 256 strewn pixels and 1000 of windows, of a picture of 100 000: a
  * pixel takes 5 rays and a record 100. */
@@ -239,7 +233,7 @@ tried(double r64, double r128, double r256)
     return t;
 }
 
-START_TEST(records_grow_with_each_doubling)
+TEST(records_grow_with_each_doubling)
 {
     struct trial t = tried(1000, 1100, 1200);
     struct prediction p;
@@ -250,10 +244,9 @@ START_TEST(records_grow_with_each_doubling)
     ck_assert_double_eq_tol(p.rays, 5e5 + 100 * p.ambient_values, 200);
     ck_assert_double_eq_tol(p.cpu_s, p.rays * 1e-5, 1e-2);
 }
-END_TEST
 
 /* Bounces that were not tried add little to records, and that has an end. */
-START_TEST(more_bounces_take_a_little_more)
+TEST(more_bounces_take_a_little_more)
 {
     struct trial t = tried(1000, 1100, 1200);
     struct prediction some, more, most, any;
@@ -272,9 +265,8 @@ START_TEST(more_bounces_take_a_little_more)
     ck_assert_double_eq(any.rays, most.rays);
     ck_assert_double_eq(any.bytes, most.bytes);
 }
-END_TEST
 
-START_TEST(a_cache_that_is_far_from_full_is_as_dense_as_in_windows)
+TEST(a_cache_that_is_far_from_full_is_as_dense_as_in_windows)
 {
     struct trial t = tried(64, 128, 256);
     struct prediction p;
@@ -282,23 +274,4 @@ START_TEST(a_cache_that_is_far_from_full_is_as_dense_as_in_windows)
     trial_predict(&t, 1e5, &p);
     ck_assert_double_eq_tol(p.ambient_values, 1e5 / 10, 1);
     ck_assert_double_eq_tol(p.rays, 5e5 + 100 * 1e4, 1e4);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("eta");
-
-    tcase_add_loop_test(tc, time_left_is_within_a_factor_of_two, 0,
-                        N_ELEM(jobs));
-    tcase_add_test(tc, nothing_is_said_before_something_is_known);
-    tcase_add_test(tc, time_that_nobody_works_is_left_out);
-    tcase_add_test(tc, more_workers_are_seen);
-    tcase_add_test(tc, a_job_may_begin_again);
-    tcase_add_test(tc, a_trial_that_foresaw_too_little_is_no_end);
-    tcase_add_test(tc, records_grow_with_each_doubling);
-    tcase_add_test(tc, more_bounces_take_a_little_more);
-    tcase_add_test(tc, a_cache_that_is_far_from_full_is_as_dense_as_in_windows);
-    return unit_run_case(tc);
 }

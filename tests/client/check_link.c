@@ -52,8 +52,10 @@ only_hellos(int fd)
     return n;
 }
 
+FIXTURE(scratch_make, scratch_remove)
+
 /* Pings, which come every 5 s, do not lengthen the wait. */
-START_TEST(no_welcome_is_no_coordinator_in_time)
+TEST(no_welcome_is_no_coordinator_in_time)
 {
     struct target to;
     int fd = listen_mutely(&to), wake = 0;
@@ -70,7 +72,6 @@ START_TEST(no_welcome_is_no_coordinator_in_time)
     ck_assert_int_eq(uv_loop_close(&loop), 0);
     close(fd);
 }
-END_TEST
 
 static void
 say(void *arg, const char *text)
@@ -79,7 +80,7 @@ say(void *arg, const char *text)
     (void)text;
 }
 
-START_TEST(a_job_does_not_wait_beyond_its_wait)
+TEST(a_job_does_not_wait_beyond_its_wait)
 {
     struct submit_job job = { .wait_s = 1 };
     struct submit_callbacks cb = { .say = say };
@@ -92,16 +93,4 @@ START_TEST(a_job_does_not_wait_beyond_its_wait)
     ck_assert_int_ge(only_hellos(fd), 1);
     ck_assert_int_eq(uv_loop_close(&loop), 0);
     close(fd);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("link");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_test(tc, no_welcome_is_no_coordinator_in_time);
-    tcase_add_test(tc, a_job_does_not_wait_beyond_its_wait);
-    return unit_run_case(tc);
 }

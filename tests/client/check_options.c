@@ -42,7 +42,9 @@ parse(struct submit_options *o, struct words *w, const char *text,
     return submit_parse(o, w, err);
 }
 
-START_TEST(options_of_both_kinds_mix)
+FIXTURE(scratch_make, scratch_remove)
+
+TEST(options_of_both_kinds_mix)
 {
     struct submit_options o;
     struct words w;
@@ -75,7 +77,6 @@ START_TEST(options_of_both_kinds_mix)
     ck_assert_str_eq(o.scenes[1], "b.rad");
     words_release(&w);
 }
-END_TEST
 
 /* The rendering options that a command line comes to. */
 static const char *
@@ -94,7 +95,7 @@ params_of(const char *text)
     return formatted[turn];
 }
 
-START_TEST(a_dash_is_standard_output)
+TEST(a_dash_is_standard_output)
 {
     struct submit_options o;
     struct words w;
@@ -110,9 +111,8 @@ START_TEST(a_dash_is_standard_output)
     ck_assert_str_eq(o.output, "./-");
     words_release(&w);
 }
-END_TEST
 
-START_TEST(quality_is_for_what_was_not_said)
+TEST(quality_is_for_what_was_not_said)
 {
     const char *plain = "-vp 0 0 0 -aa .3 s.rad";
 
@@ -129,9 +129,8 @@ START_TEST(quality_is_for_what_was_not_said)
         strstr(params_of("-ab 0 --quality=high s.rad"), "-ab 0 "));
     ck_assert_ptr_nonnull(strstr(params_of(plain), "-aa 0.3 "));
 }
-END_TEST
 
-START_TEST(samples_go_by_quality_or_by_what_the_picture_is_for)
+LOOP_TEST(samples_go_by_quality_or_by_what_the_picture_is_for, 12)
 {
     static const struct {
         const char *line;
@@ -157,9 +156,8 @@ START_TEST(samples_go_by_quality_or_by_what_the_picture_is_for)
     ck_assert_int_eq(o.params.xres, 512 * rows[_i].oversample);
     words_release(&w);
 }
-END_TEST
 
-START_TEST(options_about_messages_are_rpicts)
+TEST(options_about_messages_are_rpicts)
 {
     struct submit_options o;
     struct words w;
@@ -183,9 +181,8 @@ START_TEST(options_about_messages_are_rpicts)
     ck_assert_str_eq(o.errors, "err.txt");
     words_release(&w);
 }
-END_TEST
 
-START_TEST(names_of_modifiers_come_from_files)
+TEST(names_of_modifiers_come_from_files)
 {
     char path[] = "/tmp/check_options.XXXXXX", line[200];
     struct submit_options o;
@@ -208,7 +205,6 @@ START_TEST(names_of_modifiers_come_from_files)
     words_release(&w);
     unlink(path);
 }
-END_TEST
 
 static const struct {
     const char *line;
@@ -233,7 +229,7 @@ static const struct {
       "b/20a.json", false },
 };
 
-START_TEST(work_is_shared_as_asked)
+LOOP_TEST(work_is_shared_as_asked, N_ELEM(sharing))
 {
     struct submit_options o;
     struct words w;
@@ -248,7 +244,6 @@ START_TEST(work_is_shared_as_asked)
     ck_assert_int_eq(o.no_balance, sharing[_i].no_balance);
     words_release(&w);
 }
-END_TEST
 
 static const struct {
     const char *line;
@@ -315,7 +310,7 @@ static const struct {
     { "-ab 0", "scene" },
 };
 
-START_TEST(wrong_command_lines_are_named)
+LOOP_TEST(wrong_command_lines_are_named, N_ELEM(wrong))
 {
     struct submit_options o;
     struct words w;
@@ -327,7 +322,6 @@ START_TEST(wrong_command_lines_are_named)
                   err.what, wrong[_i].names);
     words_release(&w);
 }
-END_TEST
 
 /* Options with what each needs, and those that it does not go with.  A pair
  * stands in the row of either. */
@@ -402,7 +396,7 @@ has_word(const char *list, const char *name)
     return false;
 }
 
-START_TEST(each_pair_goes_together_or_is_named)
+LOOP_TEST(each_pair_goes_together_or_is_named, N_ELEM(together))
 {
     for (size_t j = 0; j < N_ELEM(together); j++) {
         bool refused = has_word(together[_i].against, together[j].name) ||
@@ -425,9 +419,8 @@ START_TEST(each_pair_goes_together_or_is_named)
         words_release(&w);
     }
 }
-END_TEST
 
-START_TEST(files_and_variables_open_up_in_place)
+TEST(files_and_variables_open_up_in_place)
 {
     struct submit_options o;
     struct words w;
@@ -453,9 +446,8 @@ START_TEST(files_and_variables_open_up_in_place)
     ck_assert_str_eq(o.scenes[1], "@b"); /* nor is a scene */
     words_release(&w);
 }
-END_TEST
 
-START_TEST(expansion_that_cannot_be_is_an_error)
+TEST(expansion_that_cannot_be_is_an_error)
 {
     struct submit_options o;
     struct words w;
@@ -474,9 +466,8 @@ START_TEST(expansion_that_cannot_be_is_an_error)
     ck_assert_int_eq(parse(&o, &w, line, &err), RAD_EUSAGE);
     words_release(&w);
 }
-END_TEST
 
-START_TEST(view_files_are_read_in_their_place)
+TEST(view_files_are_read_in_their_place)
 {
     struct submit_options o;
     struct words w;
@@ -497,28 +488,4 @@ START_TEST(view_files_are_read_in_their_place)
              scratch_file("v.vf", "no view"));
     ck_assert_int_eq(parse(&o, &w, line, &err), RAD_EDATA);
     words_release(&w);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("options");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_test(tc, options_of_both_kinds_mix);
-    tcase_add_test(tc, a_dash_is_standard_output);
-    tcase_add_test(tc, quality_is_for_what_was_not_said);
-    tcase_add_loop_test(tc, samples_go_by_quality_or_by_what_the_picture_is_for,
-                        0, 12);
-    tcase_add_test(tc, options_about_messages_are_rpicts);
-    tcase_add_test(tc, names_of_modifiers_come_from_files);
-    tcase_add_loop_test(tc, work_is_shared_as_asked, 0, N_ELEM(sharing));
-    tcase_add_loop_test(tc, wrong_command_lines_are_named, 0, N_ELEM(wrong));
-    tcase_add_loop_test(tc, each_pair_goes_together_or_is_named, 0,
-                        N_ELEM(together));
-    tcase_add_test(tc, files_and_variables_open_up_in_place);
-    tcase_add_test(tc, expansion_that_cannot_be_is_an_error);
-    tcase_add_test(tc, view_files_are_read_in_their_place);
-    return unit_run_case(tc);
 }

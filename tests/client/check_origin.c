@@ -22,16 +22,15 @@ put(const char *path, const char *bytes, size_t n)
     fclose(f);
 }
 
-START_TEST(scene_files_are_named_without_folders)
+TEST(scene_files_are_named_without_folders)
 {
     const char *scenes[] = { "/home/ana/room.rad", "lamps.rad", "-" };
 
     origin_text(text, scenes, 3, NULL);
     ck_assert_str_eq(text, "SCENE= room.rad lamps.rad -\n");
 }
-END_TEST
 
-START_TEST(an_octree_brings_its_own_lines)
+TEST(an_octree_brings_its_own_lines)
 {
     static const char octree[] =
         "#?RADIANCE\noconv -f room.rad\n\tindented\nFORMAT=Radiance_octree\n"
@@ -44,9 +43,8 @@ START_TEST(an_octree_brings_its_own_lines)
     ck_assert_str_eq(text, "oconv -f room.rad\n?indented\nSOFTWARE= RADIANCE 6\n"
                            "SCENE= check_origin.oct\n");
 }
-END_TEST
 
-START_TEST(an_octree_that_is_none_is_only_named)
+TEST(an_octree_that_is_none_is_only_named)
 {
     const char *scenes[] = { "check_origin_none.oct" };
 
@@ -61,18 +59,16 @@ START_TEST(an_octree_that_is_none_is_only_named)
     unlink(scenes[0]);
     ck_assert_str_eq(text, "SCENE= check_origin_none.oct\n");
 }
-END_TEST
 
-START_TEST(what_a_terminal_obeys_is_no_part_of_it)
+TEST(what_a_terminal_obeys_is_no_part_of_it)
 {
     const char *scenes[] = { "a\033[2J.rad", "b\nVIEW= -vtl.rad" };
 
     origin_text(text, scenes, 2, NULL);
     ck_assert_str_eq(text, "SCENE= a?[2J.rad b?VIEW= -vtl.rad\n");
 }
-END_TEST
 
-START_TEST(many_names_are_cut_to_fit)
+TEST(many_names_are_cut_to_fit)
 {
     const char *scenes[1000];
     size_t n;
@@ -84,9 +80,8 @@ START_TEST(many_names_are_cut_to_fit)
     ck_assert_uint_lt(n, 1536 + 1);
     ck_assert_str_eq(text + n - 5, " ...\n");
 }
-END_TEST
 
-START_TEST(a_stamp_tells_day_host_and_job)
+TEST(a_stamp_tells_day_host_and_job)
 {
     static const uint8_t job[MSG_JOB] = { 0xab };
     struct origin_stamp stamp = { 86400, "ws07", job };
@@ -98,19 +93,4 @@ START_TEST(a_stamp_tells_day_host_and_job)
     ck_assert_ptr_nonnull(strstr(text, "\nHOST= ws07\n"));
     ck_assert_ptr_nonnull(
         strstr(text, "\nJOB= ab000000000000000000000000000000\n"));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("origin");
-
-    tcase_add_test(tc, scene_files_are_named_without_folders);
-    tcase_add_test(tc, an_octree_brings_its_own_lines);
-    tcase_add_test(tc, an_octree_that_is_none_is_only_named);
-    tcase_add_test(tc, what_a_terminal_obeys_is_no_part_of_it);
-    tcase_add_test(tc, many_names_are_cut_to_fit);
-    tcase_add_test(tc, a_stamp_tells_day_host_and_job);
-    return unit_run_case(tc);
 }

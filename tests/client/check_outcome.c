@@ -13,7 +13,7 @@ static const struct outcome second = { .elapsed_s = 2,
                                        .nan = { .pixels = 1, .x = 8, .y = 0 },
                                        .faults = { { 2, 5 }, { 4, 20 } } };
 
-START_TEST(faults_and_bad_pixels_of_all_jobs_count)
+TEST(faults_and_bad_pixels_of_all_jobs_count)
 {
     struct outcome_sum s = { 0 };
 
@@ -28,9 +28,8 @@ START_TEST(faults_and_bad_pixels_of_all_jobs_count)
     ck_assert_uint_eq(s.all.faults[2].object, 7);
     ck_assert_uint_eq(s.all.faults[3].count, 0);
 }
-END_TEST
 
-START_TEST(errors_have_the_root_of_their_mean_square)
+TEST(errors_have_the_root_of_their_mean_square)
 {
     struct outcome unknown = { .elapsed_s = 1 };
     struct outcome_sum s = { 0 };
@@ -43,9 +42,8 @@ START_TEST(errors_have_the_root_of_their_mean_square)
     ck_assert_double_eq_tol(16 * s.all.error * s.all.error,
                             7 * .0009 + 9 * .0016, 1e-15);
 }
-END_TEST
 
-START_TEST(times_add_up_unless_jobs_run_side_by_side)
+TEST(times_add_up_unless_jobs_run_side_by_side)
 {
     struct outcome_sum s = { 0 };
 
@@ -55,16 +53,4 @@ START_TEST(times_add_up_unless_jobs_run_side_by_side)
     outcome_next(&s);
     outcome_add(&s, &second, 1);
     ck_assert_double_eq(s.all.elapsed_s, 5);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("outcome");
-
-    tcase_add_test(tc, faults_and_bad_pixels_of_all_jobs_count);
-    tcase_add_test(tc, errors_have_the_root_of_their_mean_square);
-    tcase_add_test(tc, times_add_up_unless_jobs_run_side_by_side);
-    return unit_run_case(tc);
 }

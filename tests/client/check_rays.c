@@ -80,7 +80,7 @@ static const char bands_text[] =
     "l light lamp 0 0 3 1e4 1e4 1e4 lamp source sun 0 0 4 0 0 1 .5\n"
     "m polygon p 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";
 
-START_TEST(spectrum_under_a_spectral_lamp)
+TEST(spectrum_under_a_spectral_lamp)
 {
     struct rad_error err = { 0 };
     double half = .25 * M_PI / 180, v;
@@ -102,9 +102,8 @@ START_TEST(spectrum_under_a_spectral_lamp)
     }
     ck_assert_str_eq(at, "\n");
 }
-END_TEST
 
-START_TEST(each_line_gives_one)
+LOOP_TEST(each_line_gives_one, N_ELEM(good))
 {
     struct rad_error err = { 0 };
     char buf[512];
@@ -113,10 +112,9 @@ START_TEST(each_line_gives_one)
     ck_assert_msg(rc == 0, "%s: %s", err.where, err.what);
     ck_assert_str_eq(buf, good[_i].output);
 }
-END_TEST
 
 /* L * 2 pi (1 - cos(.25 degrees)) */
-START_TEST(irradiance_is_of_a_point_and_normal)
+TEST(irradiance_is_of_a_point_and_normal)
 {
     struct rad_error err = { 0 };
     double r, g, b;
@@ -133,7 +131,6 @@ START_TEST(irradiance_is_of_a_point_and_normal)
         run("-I scene.rad", "5 5 0 0 0 -1\n", buf, sizeof buf, &err), 0);
     ck_assert_str_eq(buf, "0 0 0\n");
 }
-END_TEST
 
 static const struct {
     const char *options, *input;
@@ -159,7 +156,7 @@ static const struct {
       "the standard input has the rays, not a scene" },
 };
 
-START_TEST(bad_input_is_told_with_its_line)
+LOOP_TEST(bad_input_is_told_with_its_line, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
     char buf[512];
@@ -168,17 +165,4 @@ START_TEST(bad_input_is_told_with_its_line)
                      bad[_i].code);
     ck_assert_str_eq(err.where, bad[_i].where);
     ck_assert_str_eq(err.what, bad[_i].what);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("rays");
-
-    tcase_add_test(tc, spectrum_under_a_spectral_lamp);
-    tcase_add_loop_test(tc, each_line_gives_one, 0, N_ELEM(good));
-    tcase_add_test(tc, irradiance_is_of_a_point_and_normal);
-    tcase_add_loop_test(tc, bad_input_is_told_with_its_line, 0, N_ELEM(bad));
-    return unit_run_case(tc);
 }

@@ -43,7 +43,7 @@ static const struct {
     { "EXPOSURES= 1", RIF_VARS, "x.rif:1: unknown variable 'EXPOSURES'" },
 };
 
-START_TEST(a_line_assigns_to_its_variable)
+LOOP_TEST(a_line_assigns_to_its_variable, N_ELEM(reads))
 {
     struct rad_error err = { 0 };
     const char *want = reads[_i].values;
@@ -65,7 +65,6 @@ START_TEST(a_line_assigns_to_its_variable)
     ck_assert_str_eq(all, want);
     rif_release(&r);
 }
-END_TEST
 
 static const struct {
     const char *text, *words; /* '|' behind each */
@@ -80,7 +79,7 @@ static const struct {
     { "scene= a\nscene= b\"", NULL },
 };
 
-START_TEST(words_are_parted_as_by_a_shell)
+LOOP_TEST(words_are_parted_as_by_a_shell, N_ELEM(words))
 {
     struct rad_error err = { 0 };
     char all[200] = "", **list;
@@ -102,7 +101,6 @@ START_TEST(words_are_parted_as_by_a_shell)
     }
     rif_release(&r);
 }
-END_TEST
 
 static const struct {
     const char *text, *message;
@@ -116,7 +114,7 @@ static const struct {
       "x.rif:1: DETAIL: 'lowest': expected low, medium or high" },
 };
 
-START_TEST(a_value_is_of_its_kind)
+LOOP_TEST(a_value_is_of_its_kind, N_ELEM(wrong))
 {
     struct rad_error err = { 0 };
     char text[300];
@@ -130,9 +128,8 @@ START_TEST(a_value_is_of_its_kind)
     ck_assert_str_eq(text, wrong[_i].message);
     rif_release(&r);
 }
-END_TEST
 
-START_TEST(the_last_value_counts_and_loses_its_quotes)
+TEST(the_last_value_counts_and_loses_its_quotes)
 {
     struct rif r;
 
@@ -144,9 +141,8 @@ START_TEST(the_last_value_counts_and_loses_its_quotes)
     ck_assert_str_eq(rif_text(&r, RIF_PICTURE), "d");
     rif_release(&r);
 }
-END_TEST
 
-START_TEST(an_assignment_of_the_command_line_is_one)
+TEST(an_assignment_of_the_command_line_is_one)
 {
     static const struct {
         const char *text, *message;
@@ -166,9 +162,8 @@ START_TEST(an_assignment_of_the_command_line_is_one)
     }
     rif_release(&r);
 }
-END_TEST
 
-START_TEST(a_file_has_limits)
+TEST(a_file_has_limits)
 {
     static char text[16 * (RIF_MAX_VALUES + 1)];
     struct rad_error err = { 0 };
@@ -185,7 +180,6 @@ START_TEST(a_file_has_limits)
     ck_assert_str_eq(err.where, "x.rif");
     rif_release(&r);
 }
-END_TEST
 
 /* --- options --- */
 
@@ -219,7 +213,7 @@ static const struct {
       " -ps 1 -pt .04" },
 };
 
-START_TEST(options_follow_from_the_scene)
+LOOP_TEST(options_follow_from_the_scene, N_ELEM(rules))
 {
     char light[RIF_RULES_TEXT], sampling[RIF_RULES_TEXT];
     struct rif_zone z;
@@ -232,9 +226,8 @@ START_TEST(options_follow_from_the_scene)
     ck_assert_str_eq(sampling, rules[_i].sampling);
     rif_release(&r);
 }
-END_TEST
 
-START_TEST(a_zone_has_a_volume)
+TEST(a_zone_has_a_volume)
 {
     static const char *const bad[] = {
         "ZONE= I 0 1 0 1 0", "ZONE= I 0 1 0 1 2 2", "ZONE= Q 0 1 0 1 0 1",
@@ -256,9 +249,8 @@ START_TEST(a_zone_has_a_volume)
     ck_assert_int_eq(rif_zone(&r, &none, &z, NULL), RAD_EDATA);
     rif_release(&r);
 }
-END_TEST
 
-START_TEST(an_exposure_is_in_stops_or_a_factor)
+TEST(an_exposure_is_in_stops_or_a_factor)
 {
     static const struct {
         const char *text;
@@ -279,7 +271,6 @@ START_TEST(an_exposure_is_in_stops_or_a_factor)
         rif_release(&r);
     }
 }
-END_TEST
 
 /* --- views --- */
 
@@ -310,7 +301,7 @@ static const struct {
     { "UP= Q\nview= X", NULL, NULL },
 };
 
-START_TEST(views_have_names_and_options)
+LOOP_TEST(views_have_names_and_options, N_ELEM(views))
 {
     struct rad_error err = { 0 };
     struct rif_view *list;
@@ -338,9 +329,8 @@ START_TEST(views_have_names_and_options)
     }
     rif_release(&r);
 }
-END_TEST
 
-START_TEST(a_view_names_its_file)
+TEST(a_view_names_its_file)
 {
     static const struct {
         const char *pattern;
@@ -367,24 +357,4 @@ START_TEST(a_view_names_its_file)
             ck_assert_int_eq(rc, RAD_EUSAGE);
         free(name);
     }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("rif");
-
-    tcase_add_loop_test(tc, a_line_assigns_to_its_variable, 0, N_ELEM(reads));
-    tcase_add_loop_test(tc, words_are_parted_as_by_a_shell, 0, N_ELEM(words));
-    tcase_add_loop_test(tc, a_value_is_of_its_kind, 0, N_ELEM(wrong));
-    tcase_add_test(tc, the_last_value_counts_and_loses_its_quotes);
-    tcase_add_test(tc, an_assignment_of_the_command_line_is_one);
-    tcase_add_test(tc, a_file_has_limits);
-    tcase_add_loop_test(tc, options_follow_from_the_scene, 0, N_ELEM(rules));
-    tcase_add_test(tc, a_zone_has_a_volume);
-    tcase_add_test(tc, an_exposure_is_in_stops_or_a_factor);
-    tcase_add_loop_test(tc, views_have_names_and_options, 0, N_ELEM(views));
-    tcase_add_test(tc, a_view_names_its_file);
-    return unit_run_case(tc);
 }

@@ -44,7 +44,7 @@ static const struct {
     { "Auto", false, false, false, 0 },
 };
 
-START_TEST(exposure_is_read_or_refused)
+LOOP_TEST(exposure_is_read_or_refused, N_ELEM(words))
 {
     struct rad_error err = { 0 };
     struct show s;
@@ -60,9 +60,8 @@ START_TEST(exposure_is_read_or_refused)
     ck_assert(s.screen.tone.absolute == words[_i].absolute);
     ck_assert_double_eq_tol(s.screen.tone.exposure, words[_i].exposure, 1e-12);
 }
-END_TEST
 
-START_TEST(tones_and_bits_are_words)
+TEST(tones_and_bits_are_words)
 {
     struct show s;
 
@@ -82,7 +81,6 @@ START_TEST(tones_and_bits_are_words)
     ck_assert_int_eq(s.screen.bits, 8);
     ck_assert_int_eq(show_bits(&s, "12", NULL), RAD_EUSAGE);
 }
-END_TEST
 
 static int
 ignore(void *arg, const void *data, size_t n, struct rad_error *err)
@@ -108,7 +106,7 @@ previewed(const struct show *s, struct show_last *last, int rows)
     return last->tone.scale;
 }
 
-START_TEST(previews_do_not_flicker)
+TEST(previews_do_not_flicker)
 {
     struct show_last last = { 0 };
     struct show s;
@@ -129,7 +127,6 @@ START_TEST(previews_do_not_flicker)
     s.each = true;
     ck_assert_double_lt(previewed(&s, &last, 40), 1);
 }
-END_TEST
 
 static double
 shown_scale(struct show *s, float L)
@@ -145,7 +142,7 @@ shown_scale(struct show *s, float L)
 }
 
 /* 1 over the exposure, which is .25 of the average. */
-START_TEST(frames_have_the_first_ones_exposure_or_their_own)
+TEST(frames_have_the_first_ones_exposure_or_their_own)
 {
     struct show s;
 
@@ -166,7 +163,6 @@ START_TEST(frames_have_the_first_ones_exposure_or_their_own)
     ck_assert(!show_waits(&s));
     ck_assert_double_eq_tol(shown_scale(&s, 4), 3, 1e-6);
 }
-END_TEST
 
 static const struct {
     struct show_asked asked;
@@ -181,7 +177,7 @@ static const struct {
     { { .false_colour = "", .exposure = "auto" }, "--false-colour", false },
 };
 
-START_TEST(false_colours_have_no_tone)
+LOOP_TEST(false_colours_have_no_tone, N_ELEM(asked))
 {
     struct rad_error err = { 0 };
     const char *first;
@@ -189,18 +185,4 @@ START_TEST(false_colours_have_no_tone)
     ck_assert_int_eq(show_first(&asked[_i].asked, &first, &err),
                      asked[_i].fits ? 0 : RAD_EUSAGE);
     ck_assert_pstr_eq(first, asked[_i].first);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("show");
-
-    tcase_add_loop_test(tc, exposure_is_read_or_refused, 0, N_ELEM(words));
-    tcase_add_test(tc, tones_and_bits_are_words);
-    tcase_add_test(tc, previews_do_not_flicker);
-    tcase_add_test(tc, frames_have_the_first_ones_exposure_or_their_own);
-    tcase_add_loop_test(tc, false_colours_have_no_tone, 0, N_ELEM(asked));
-    return unit_run_case(tc);
 }

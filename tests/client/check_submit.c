@@ -878,7 +878,9 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
     return rc;
 }
 
-START_TEST(conversations_end_as_they_should)
+FIXTURE(scratch_make, scratch_remove)
+
+LOOP_TEST(conversations_end_as_they_should, N_ELEM(scripts))
 {
     const struct script *s = &scripts[_i];
     struct client c = { .picture = "" };
@@ -916,9 +918,8 @@ START_TEST(conversations_end_as_they_should)
         ck_assert_str_eq(c.stats, "{ }");
     }
 }
-END_TEST
 
-START_TEST(nothing_is_said_without_a_key)
+TEST(nothing_is_said_without_a_key)
 {
     struct link_where where;
     struct link *l;
@@ -934,18 +935,4 @@ START_TEST(nothing_is_said_without_a_key)
     ck_assert_int_eq(link_open(&l, &where, &target, MSG_ROLE_USER, 1000, NULL),
                      RAD_EUNAVAIL);
     ck_assert_int_eq(uv_loop_close(&loop), 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("submit");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, conversations_end_as_they_should, 0,
-                        N_ELEM(scripts));
-    tcase_add_test(tc, nothing_is_said_without_a_key);
-    return unit_run_case(tc);
 }

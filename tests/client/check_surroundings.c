@@ -96,7 +96,7 @@ find(const char *scene, const struct msg_frame *frames, uint32_t n,
     return s;
 }
 
-START_TEST(what_a_view_shows_is_found)
+LOOP_TEST(what_a_view_shows_is_found, N_ELEM(views))
 {
     struct msg_frame frame = { .view = views[_i].view };
     struct surroundings s = find(views[_i].scene, &frame, 1, NULL);
@@ -105,10 +105,9 @@ START_TEST(what_a_view_shows_is_found)
     ck_assert_double_le(s.shown, views[_i].most);
     ck_assert_int_eq(surroundings_times(&s), views[_i].times);
 }
-END_TEST
 
 /* An animation from the air into the room. */
-START_TEST(the_view_that_shows_least_counts)
+TEST(the_view_that_shows_least_counts)
 {
     struct msg_frame frames[100];
     struct surroundings all, last;
@@ -119,7 +118,6 @@ START_TEST(the_view_that_shows_least_counts)
     last = find(ROOM GROUND, frames + 99, 1, NULL);
     ck_assert_double_eq(all.shown, last.shown);
 }
-END_TEST
 
 static const struct {
     uint32_t n; /* sensors in a row */
@@ -131,7 +129,7 @@ static const struct {
     { 1, 0, .5, 5 },
 };
 
-START_TEST(what_sensors_see_is_found)
+LOOP_TEST(what_sensors_see_is_found, N_ELEM(sensors))
 {
     double point[9][6];
     uint32_t pixel[9], n = sensors[_i].n;
@@ -153,9 +151,8 @@ START_TEST(what_sensors_see_is_found)
     ck_assert_double_ge(s.shown, sensors[_i].least);
     ck_assert_double_le(s.shown, sensors[_i].most);
 }
-END_TEST
 
-START_TEST(a_coarse_resolution_is_told)
+TEST(a_coarse_resolution_is_told)
 {
     struct surroundings site = { 2e4, 3 }, room = { 5, 3 };
 
@@ -168,17 +165,4 @@ START_TEST(a_coarse_resolution_is_told)
     ck_assert_int_eq(surroundings_ambres(1 << 30, 64), 1000000000);
     ck_assert_int_eq(surroundings_ambres(4, 2000000000), 2000000000);
     ck_assert_int_eq(surroundings_ambres(4, 0), 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("surroundings");
-
-    tcase_add_loop_test(tc, what_a_view_shows_is_found, 0, N_ELEM(views));
-    tcase_add_test(tc, the_view_that_shows_least_counts);
-    tcase_add_loop_test(tc, what_sensors_see_is_found, 0, N_ELEM(sensors));
-    tcase_add_test(tc, a_coarse_resolution_is_told);
-    return unit_run_case(tc);
 }

@@ -116,7 +116,7 @@ type(struct top *t, const char *keys)
         ck_assert_int_ne(top_key(t, *keys), TOP_QUIT);
 }
 
-START_TEST(lists_show_workers_and_jobs)
+TEST(lists_show_workers_and_jobs)
 {
     struct top t;
     const struct picture *p;
@@ -146,9 +146,8 @@ START_TEST(lists_show_workers_and_jobs)
     ck_assert_int_eq(p->look[line_with(p, "atrium")], TOP_CHOSEN);
     top_release(&t);
 }
-END_TEST
 
-START_TEST(narrow_terminals_leave_out_columns)
+TEST(narrow_terminals_leave_out_columns)
 {
     struct top t;
     const struct picture *p;
@@ -168,9 +167,8 @@ START_TEST(narrow_terminals_leave_out_columns)
     ck_assert_int_lt(line_with(p, "WORKER"), 0);
     top_release(&t);
 }
-END_TEST
 
-START_TEST(keys_sort_and_filter)
+TEST(keys_sort_and_filter)
 {
     struct top t;
     const struct picture *p;
@@ -201,9 +199,8 @@ START_TEST(keys_sort_and_filter)
     ck_assert_int_eq(top_key(&t, 'q'), TOP_QUIT);
     top_release(&t);
 }
-END_TEST
 
-START_TEST(what_changes_something_is_asked_first)
+TEST(what_changes_something_is_asked_first)
 {
     struct top t;
 
@@ -236,9 +233,8 @@ START_TEST(what_changes_something_is_asked_first)
     ck_assert(t.closed);
     top_release(&t);
 }
-END_TEST
 
-START_TEST(a_job_has_its_units_by_worker)
+TEST(a_job_has_its_units_by_worker)
 {
     struct top t;
     const struct picture *p;
@@ -275,9 +271,8 @@ START_TEST(a_job_has_its_units_by_worker)
     ck_assert_int_ge(line_with(draw(&t, 100, 24), "atrium"), 0);
     top_release(&t);
 }
-END_TEST
 
-START_TEST(what_is_strange_is_drawn_all_the_same)
+TEST(what_is_strange_is_drawn_all_the_same)
 {
     static const char *const rows[] = {
         "[]",
@@ -319,9 +314,8 @@ START_TEST(what_is_strange_is_drawn_all_the_same)
     draw(&t, 46, 3);
     top_release(&t);
 }
-END_TEST
 
-START_TEST(many_rows_scroll_with_the_chosen_one)
+TEST(many_rows_scroll_with_the_chosen_one)
 {
     struct top t;
     json_t *rows = json_array();
@@ -348,20 +342,4 @@ START_TEST(many_rows_scroll_with_the_chosen_one)
     top_key(&t, TOP_KEY_DOWN);
     ck_assert_str_eq(top_chosen(&t, TOP_WORKERS), "ws499");
     top_release(&t);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("top");
-
-    tcase_add_test(tc, lists_show_workers_and_jobs);
-    tcase_add_test(tc, narrow_terminals_leave_out_columns);
-    tcase_add_test(tc, keys_sort_and_filter);
-    tcase_add_test(tc, what_changes_something_is_asked_first);
-    tcase_add_test(tc, a_job_has_its_units_by_worker);
-    tcase_add_test(tc, what_is_strange_is_drawn_all_the_same);
-    tcase_add_test(tc, many_rows_scroll_with_the_chosen_one);
-    return unit_run_case(tc);
 }

@@ -143,7 +143,7 @@ pack_ping(struct wire_out *w, uint64_t progress)
 }
 
 /* Else small messages wait for each other: 40 ms, as a rule. */
-START_TEST(messages_over_tcp_go_at_once)
+TEST(messages_over_tcp_go_at_once)
 {
     struct ends e;
     uv_stream_t *s;
@@ -166,7 +166,6 @@ START_TEST(messages_over_tcp_go_at_once)
     ck_assert_int_eq(uv_loop_close(&e.loop), 0);
     tls_ctx_free(ctx);
 }
-END_TEST
 
 static const char *
 find_key(void *arg, const char *id, uint8_t secret[TLS_SECRET])
@@ -233,7 +232,8 @@ static const struct {
 };
 
 /* Each asks for an answer, but none for a message. */
-START_TEST(key_updates_are_not_read_while_their_answers_are_not)
+LOOP_TEST(key_updates_are_not_read_while_their_answers_are_not,
+          N_ELEM(updating))
 {
     struct ends e;
     struct tls_ctx *sctx = tls_server(find_key, NULL);
@@ -282,9 +282,8 @@ START_TEST(key_updates_are_not_read_while_their_answers_are_not)
     SSL_CTX_free(cctx);
     tls_ctx_free(sctx);
 }
-END_TEST
 
-START_TEST(ping_is_answered_however_it_is_cut)
+TEST(ping_is_answered_however_it_is_cut)
 {
     struct ends e;
     struct wire_out w;
@@ -307,10 +306,9 @@ START_TEST(ping_is_answered_however_it_is_cut)
     wire_out_release(&w);
     close_ends(&e);
 }
-END_TEST
 
 /* An old peer is not told what it has no message for; it stays. */
-START_TEST(what_an_old_peer_cannot_hear_is_not_said)
+TEST(what_an_old_peer_cannot_hear_is_not_said)
 {
     struct msg key = { .type = MSG_KEY, .key = { MSG_KEY_LIST, "", 0 } };
     struct wire_out w;
@@ -330,9 +328,8 @@ START_TEST(what_an_old_peer_cannot_hear_is_not_said)
     wire_out_release(&w);
     close_ends(&e);
 }
-END_TEST
 
-START_TEST(messages_in_one_piece_all_arrive)
+TEST(messages_in_one_piece_all_arrive)
 {
     struct ends e;
     struct wire_out w;
@@ -346,7 +343,6 @@ START_TEST(messages_in_one_piece_all_arrive)
     wire_out_release(&w);
     close_ends(&e);
 }
-END_TEST
 
 #ifdef WITH_MALLOC
 /* Let the other end ping, and answer while memory is out. */
@@ -368,7 +364,7 @@ ping_without_memory(struct ends *e, enum msg_session session, bool *out)
 }
 
 /* Else the other side would wait for ever for what is not sent. */
-START_TEST(a_message_that_has_no_memory_ends_it)
+LOOP_TEST(a_message_that_has_no_memory_ends_it, 3)
 {
     struct msg m = { .type = MSG_PONG };
     struct wire_out frame;
@@ -389,20 +385,18 @@ START_TEST(a_message_that_has_no_memory_ends_it)
     wire_out_release(&frame);
     close_ends(&e);
 }
-END_TEST
 
 /* Its owner hears of the end, and nothing after that. */
-START_TEST(a_ping_that_has_no_memory_for_its_answer_is_not_told)
+TEST(a_ping_that_has_no_memory_for_its_answer_is_not_told)
 {
     struct ends e;
 
     ping_without_memory(&e, MSG_AT_PEER, &no_malloc);
     close_ends(&e);
 }
-END_TEST
 
 /* Which is no fault of the other side's. */
-START_TEST(a_message_that_there_is_no_memory_to_read_ends_it)
+TEST(a_message_that_there_is_no_memory_to_read_ends_it)
 {
     struct ends e;
 
@@ -410,10 +404,9 @@ START_TEST(a_message_that_there_is_no_memory_to_read_ends_it)
     ck_assert_ptr_nonnull(strstr(e.why, "memory"));
     close_ends(&e);
 }
-END_TEST
 #endif
 
-START_TEST(owner_may_close_while_it_is_called)
+TEST(owner_may_close_while_it_is_called)
 {
     struct ends e;
     struct wire_out w;
@@ -429,9 +422,8 @@ START_TEST(owner_may_close_while_it_is_called)
     wire_out_release(&w);
     close_ends(&e);
 }
-END_TEST
 
-START_TEST(end_of_stream_is_told_once)
+TEST(end_of_stream_is_told_once)
 {
     struct ends e;
 
@@ -442,7 +434,6 @@ START_TEST(end_of_stream_is_told_once)
     ck_assert_str_eq(e.why, "closed by peer");
     close_ends(&e);
 }
-END_TEST
 
 enum { SHORT_MS = 40 };
 
@@ -453,7 +444,7 @@ static const struct conn_handler hasty = { .message = on_message,
 
 /* Who does not say who it is in time is gone, not sooner; bytes of a message
  * that does not end are no sign of life. */
-START_TEST(who_is_slow_to_introduce_itself_is_let_go)
+LOOP_TEST(who_is_slow_to_introduce_itself_is_let_go, 2)
 {
     struct ends e;
     uint64_t start = uv_hrtime();
@@ -471,10 +462,9 @@ START_TEST(who_is_slow_to_introduce_itself_is_let_go)
     ck_assert_uint_ge(uv_hrtime() - start, (SHORT_MS - 2) * 1000000u);
     close_ends(&e);
 }
-END_TEST
 
 /* Once it has, it may be silent for longer than that. */
-START_TEST(who_has_introduced_itself_stays)
+TEST(who_has_introduced_itself_stays)
 {
     struct ends e;
     uint64_t until = uv_hrtime() + 3 * SHORT_MS * 1000000u;
@@ -488,9 +478,8 @@ START_TEST(who_has_introduced_itself_stays)
     ck_assert_int_eq(e.nclosed, 0);
     close_ends(&e);
 }
-END_TEST
 
-START_TEST(message_that_may_not_come_here_ends_it)
+TEST(message_that_may_not_come_here_ends_it)
 {
     struct ends e;
     struct wire_out w;
@@ -505,7 +494,6 @@ START_TEST(message_that_may_not_come_here_ends_it)
     wire_out_release(&w);
     close_ends(&e);
 }
-END_TEST
 
 /* A simple generator: what matters is that it is the same each time. */
 static uint32_t
@@ -515,7 +503,7 @@ next_random(uint32_t *state)
     return *state >> 16;
 }
 
-START_TEST(random_bytes_only_end_it)
+LOOP_TEST(random_bytes_only_end_it, 256)
 {
     struct ends e;
     uint8_t bytes[4096];
@@ -537,9 +525,8 @@ START_TEST(random_bytes_only_end_it)
     ck_assert_int_eq(e.nclosed, 1);
     close_ends(&e);
 }
-END_TEST
 
-START_TEST(what_waits_is_counted_and_goes_out)
+TEST(what_waits_is_counted_and_goes_out)
 {
     static uint8_t payload[100000];
     struct msg m = { .type = MSG_AMBIENT };
@@ -572,11 +559,10 @@ START_TEST(what_waits_is_counted_and_goes_out)
     ck_assert_uint_eq(e.written, sent);
     close_ends(&e);
 }
-END_TEST
 
 /* So many as the socket takes are written at once, the others when it has room,
  * and all in their order. */
-START_TEST(short_messages_go_out_in_order_and_are_counted)
+TEST(short_messages_go_out_in_order_and_are_counted)
 {
     enum { MANY = 40000, SIZE = MSG_HEADER + PING_BYTES };
     static uint8_t got[MANY * SIZE];
@@ -608,10 +594,9 @@ START_TEST(short_messages_go_out_in_order_and_are_counted)
     ck_assert_uint_eq(e.written, sizeof got);
     close_ends(&e);
 }
-END_TEST
 
 /* Though nothing else happens that could wake the loop. */
-START_TEST(what_is_left_at_the_end_goes_out_at_once)
+TEST(what_is_left_at_the_end_goes_out_at_once)
 {
     struct msg m = { .type = MSG_PING };
     struct ends e;
@@ -627,7 +612,6 @@ START_TEST(what_is_left_at_the_end_goes_out_at_once)
     ck_assert_int_eq(uv_loop_alive(&e.loop), 0);
     close_ends(&e);
 }
-END_TEST
 
 /* Read what waits. */
 static void
@@ -645,7 +629,7 @@ drain(struct ends *e)
 static const enum msg_session users[] = { MSG_AT_COORD_USER,
                                           MSG_AT_COORD_ADMIN };
 
-START_TEST(a_user_that_does_not_read_gets_no_more_records)
+LOOP_TEST(a_user_that_does_not_read_gets_no_more_records, N_ELEM(users))
 {
     static uint8_t job[MSG_JOB], data[50000];
     struct msg records = { .type = MSG_RECORDS,
@@ -670,9 +654,8 @@ START_TEST(a_user_that_does_not_read_gets_no_more_records)
     wire_out_release(&w);
     close_ends(&e);
 }
-END_TEST
 
-START_TEST(finish_sends_what_waits_and_says_nothing)
+TEST(finish_sends_what_waits_and_says_nothing)
 {
     struct msg m = { .type = MSG_REFUSE };
     struct ends e;
@@ -692,9 +675,8 @@ START_TEST(finish_sends_what_waits_and_says_nothing)
     ck_assert_int_eq(e.nclosed, 0);
     close_ends(&e);
 }
-END_TEST
 
-START_TEST(peer_that_goes_while_we_send_is_no_crash)
+TEST(peer_that_goes_while_we_send_is_no_crash)
 {
     static uint8_t payload[100000];
     struct msg m = { .type = MSG_AMBIENT };
@@ -713,7 +695,6 @@ START_TEST(peer_that_goes_while_we_send_is_no_crash)
     e.fd = dup(0);
     close_ends(&e);
 }
-END_TEST
 
 /* A refusal that was said before the connection was closed is heard, although
  * that it is closed is found out by writing; a message that is kept outlives
@@ -743,7 +724,7 @@ static const struct conn_handler keeper = { .message = keep_message,
                                             .closed = keep_code,
                                             .quiet = true };
 
-START_TEST(what_was_said_before_the_end_is_heard_by_who_writes)
+LOOP_TEST(what_was_said_before_the_end_is_heard_by_who_writes, 2)
 {
     static uint8_t payload[100000];
     struct msg m = { .type = MSG_AMBIENT };
@@ -779,11 +760,10 @@ START_TEST(what_was_said_before_the_end_is_heard_by_who_writes)
     e.fd = dup(0);
     close_ends(&e);
 }
-END_TEST
 
 /* Why it ended is told by code, and for a message that is malformed with the
  * peer's name. */
-START_TEST(why_it_ended_has_a_code)
+LOOP_TEST(why_it_ended_has_a_code, 2)
 {
     struct ends e;
 
@@ -796,46 +776,4 @@ START_TEST(why_it_ended_has_a_code)
     ck_assert_int_eq(e.nclosed, 1);
     ck_assert_int_eq(kept_code, _i == 0 ? RAD_EPROTO : UV_EOF);
     close_ends(&e);
-}
-END_TEST
-
-int
-main(void)
-{
-    Suite *s = suite_create("conn");
-    TCase *tc = tcase_create("conn");
-
-    tcase_add_test(tc, messages_over_tcp_go_at_once);
-    tcase_add_test(tc, ping_is_answered_however_it_is_cut);
-    tcase_add_test(tc, what_an_old_peer_cannot_hear_is_not_said);
-    tcase_add_test(tc, messages_in_one_piece_all_arrive);
-#ifdef WITH_MALLOC
-    tcase_add_loop_test(tc, a_message_that_has_no_memory_ends_it, 0, 3);
-    tcase_add_test(tc, a_ping_that_has_no_memory_for_its_answer_is_not_told);
-    tcase_add_test(tc, a_message_that_there_is_no_memory_to_read_ends_it);
-#endif
-    tcase_add_test(tc, owner_may_close_while_it_is_called);
-    tcase_add_test(tc, end_of_stream_is_told_once);
-    tcase_add_loop_test(tc, who_is_slow_to_introduce_itself_is_let_go, 0, 2);
-    tcase_add_test(tc, who_has_introduced_itself_stays);
-    tcase_add_test(tc, message_that_may_not_come_here_ends_it);
-    tcase_add_loop_test(tc, random_bytes_only_end_it, 0, 256);
-    tcase_add_test(tc, what_waits_is_counted_and_goes_out);
-    tcase_add_test(tc, short_messages_go_out_in_order_and_are_counted);
-    tcase_add_test(tc, what_is_left_at_the_end_goes_out_at_once);
-    tcase_add_loop_test(tc, a_user_that_does_not_read_gets_no_more_records, 0,
-                        N_ELEM(users));
-    tcase_add_test(tc, finish_sends_what_waits_and_says_nothing);
-    tcase_add_test(tc, peer_that_goes_while_we_send_is_no_crash);
-    tcase_add_loop_test(
-        tc, what_was_said_before_the_end_is_heard_by_who_writes, 0, 2);
-    tcase_add_loop_test(tc, why_it_ended_has_a_code, 0, 2);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("key updates"); /* each takes both sides some time */
-    tcase_set_timeout(tc, 120);
-    tcase_add_loop_test(tc,
-                        key_updates_are_not_read_while_their_answers_are_not, 0,
-                        N_ELEM(updating));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
 }

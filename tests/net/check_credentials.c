@@ -124,6 +124,8 @@ stop(void)
     scratch_remove();
 }
 
+FIXTURE(start, stop)
+
 /* --- what its log says --- */
 
 static size_t log_before; /* bytes that were there when the visitor came */
@@ -469,25 +471,21 @@ in_its_own_role_each_says_what_it_may(uint16_t type)
     }
 }
 
-START_TEST(each_message_of_every_credential)
+static int
+count_messages(void)
+{
+    int n = 0;
+
+    while (msg_nth((size_t)n) != 0)
+        n++;
+    return n;
+}
+
+LOOP_TEST(each_message_of_every_credential, count_messages())
 {
     uint16_t type = msg_nth((size_t)_i);
 
     without_a_good_key_nothing_is_heard(type);
     in_a_role_of_others_nothing_is_heard(type);
     in_its_own_role_each_says_what_it_may(type);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("credentials");
-    int n = 0;
-
-    while (msg_nth((size_t)n) != 0)
-        n++;
-    tcase_add_checked_fixture(tc, start, stop);
-    tcase_add_loop_test(tc, each_message_of_every_credential, 0, n);
-    return unit_run_case(tc);
 }

@@ -73,7 +73,7 @@ tear_down(void)
 
 static const char *const three_and_one[PLACES] = { "ana", "ana", "ana", "bob" };
 
-START_TEST(who_is_alone_is_served_at_once)
+TEST(who_is_alone_is_served_at_once)
 {
     set_up(three_and_one);
     t.wants[0] = 3;
@@ -81,9 +81,8 @@ START_TEST(who_is_alone_is_served_at_once)
     ck_assert_str_eq(t.order, "aaa");
     tear_down();
 }
-END_TEST
 
-START_TEST(users_take_turns_however_many_connections_they_have)
+TEST(users_take_turns_however_many_connections_they_have)
 {
     set_up(three_and_one);
     t.busy = 2 * FAIR_MS; /* each takes all of a turn */
@@ -96,9 +95,8 @@ START_TEST(users_take_turns_however_many_connections_they_have)
     ck_assert_str_eq(t.order, "aadbdcabcbc");
     tear_down();
 }
-END_TEST
 
-START_TEST(who_leaves_too_much_unread_waits_and_others_do_not)
+TEST(who_leaves_too_much_unread_waits_and_others_do_not)
 {
     set_up(three_and_one);
     fair_set_unread(&t.fair, 1000);
@@ -120,7 +118,6 @@ START_TEST(who_leaves_too_much_unread_waits_and_others_do_not)
     fair_paid(&t.place[0], 700);
     tear_down();
 }
-END_TEST
 
 static void
 leave_on_turn(struct fair_place *p)
@@ -129,7 +126,7 @@ leave_on_turn(struct fair_place *p)
     fair_leave(p);
 }
 
-START_TEST(who_leaves_is_in_no_line)
+TEST(who_leaves_is_in_no_line)
 {
     set_up(three_and_one);
     t.busy = 2 * FAIR_MS;
@@ -143,17 +140,4 @@ START_TEST(who_leaves_is_in_no_line)
     ck_assert_str_eq(t.order, "aadbaaa");
     ck_assert_uint_eq(fair_unread(&t.fair, "bob"), 0);
     tear_down();
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("fair");
-
-    tcase_add_test(tc, who_is_alone_is_served_at_once);
-    tcase_add_test(tc, users_take_turns_however_many_connections_they_have);
-    tcase_add_test(tc, who_leaves_too_much_unread_waits_and_others_do_not);
-    tcase_add_test(tc, who_leaves_is_in_no_line);
-    return unit_run_case(tc);
 }

@@ -179,6 +179,8 @@ close_scene(void)
     ck_assert_int_eq(uv_loop_close(&s.loop), 0);
 }
 
+FIXTURE(open_scene, close_scene)
+
 static void
 turn(int ms)
 {
@@ -210,7 +212,7 @@ dial_with(const char *id)
     ck_assert(dial(s.dialler, listener_text(s.listener), 1, &key));
 }
 
-START_TEST(a_key_lets_in_and_another_does_not)
+TEST(a_key_lets_in_and_another_does_not)
 {
     dial_with("worker:w:k1");
     ck_assert(turn_until(&s.nin, 1));
@@ -220,10 +222,9 @@ START_TEST(a_key_lets_in_and_another_does_not)
     ck_assert(turn_until(&s.nrefused, 2));
     ck_assert_int_eq(s.nin, 1);
 }
-END_TEST
 
 /* close_scene() does not, and the others are dialled meanwhile. */
-START_TEST(nobody_waits_for_a_resolver_that_hangs)
+TEST(nobody_waits_for_a_resolver_that_hangs)
 {
     struct dial_key key = { .id = "worker:w:k1" };
 
@@ -243,7 +244,6 @@ START_TEST(nobody_waits_for_a_resolver_that_hangs)
         sem_post(&ends);
     open_scene();
 }
-END_TEST
 
 /* A socket that answers nobody: as many wait there as may. */
 static int
@@ -265,7 +265,7 @@ deaf_socket(char port[8])
 }
 
 /* The dialler is closed at some time, too. */
-START_TEST(an_address_that_never_answers_is_left_for_the_next)
+TEST(an_address_that_never_answers_is_left_for_the_next)
 {
     struct dial_key key = { .id = "worker:w:k1" };
     char deaf[8];
@@ -282,10 +282,9 @@ START_TEST(an_address_that_never_answers_is_left_for_the_next)
     turn(10);
     close(fd);
 }
-END_TEST
 
 /* However far its handshake is, turn by turn of the loop. */
-START_TEST(nobody_gets_in_once_the_listener_is_closed)
+LOOP_TEST(nobody_gets_in_once_the_listener_is_closed, 40)
 {
     int in;
 
@@ -300,11 +299,10 @@ START_TEST(nobody_gets_in_once_the_listener_is_closed)
     ck_assert_int_eq(s.nin, in);
     s.listener = NULL;
 }
-END_TEST
 
 /* One that dials before we are told its key gets in once we are, and not
  * before; one that we are never told of is refused. */
-START_TEST(a_key_that_comes_later_is_waited_for)
+LOOP_TEST(a_key_that_comes_later_is_waited_for, 2)
 {
     comes = "peer:late";
     dial_with("peer:late");
@@ -315,10 +313,9 @@ START_TEST(a_key_that_comes_later_is_waited_for)
     ck_assert_int_eq(s.nin + s.nrefused, 1);
     ck_assert_int_lt(looks, 15);
 }
-END_TEST
 
 /* Much in both directions, in messages of all sizes. */
-START_TEST(messages_go_by_tls_as_they_are)
+TEST(messages_go_by_tls_as_they_are)
 {
     static uint8_t payload[MSG_MAX_AMBIENT];
     struct msg m = { .type = MSG_AMBIENT };
@@ -347,7 +344,6 @@ START_TEST(messages_go_by_tls_as_they_are)
     ck_assert(turn_until(&s.ended, 1));
     ck_assert_ptr_null(s.in);
 }
-END_TEST
 
 /* --- strangers --- */
 
@@ -380,7 +376,7 @@ hung_up(int fd)
     return recv(fd, &byte, 1, 0) == 0 || (errno != EAGAIN && errno != EINTR);
 }
 
-START_TEST(a_host_holds_some_and_the_oldest_goes)
+TEST(a_host_holds_some_and_the_oldest_goes)
 {
     enum { N = GATE_MOST_HOST + 4 };
     int fds[N];
@@ -395,9 +391,8 @@ START_TEST(a_host_holds_some_and_the_oldest_goes)
     for (int i = 0; i < N; i++)
         close(fds[i]);
 }
-END_TEST
 
-START_TEST(all_hosts_hold_some_and_the_oldest_goes)
+TEST(all_hosts_hold_some_and_the_oldest_goes)
 {
     enum { N = GATE_MOST + 10 };
     int fds[N];
@@ -416,10 +411,9 @@ START_TEST(all_hosts_hold_some_and_the_oldest_goes)
     for (int i = 0; i < N; i++)
         close(fds[i]);
 }
-END_TEST
 
 /* Not more is taken from one who has no key than a handshake needs. */
-START_TEST(a_stranger_who_talks_is_let_go)
+TEST(a_stranger_who_talks_is_let_go)
 {
     static const uint8_t head[] = { 22, 3, 1, 64, 0, 1, 0, 63, 252, 3, 3 };
     static uint8_t noise[1000];
@@ -434,7 +428,6 @@ START_TEST(a_stranger_who_talks_is_let_go)
     ck_assert_int_lt(sent, 2 * HANDSHAKE_BYTES);
     close(fd);
 }
-END_TEST
 
 enum { SHORT_MS = 60 };
 
@@ -442,7 +435,7 @@ static const uint8_t hello[] = { 22, 3, 1, 0, 200, 1, 0, 0, 196, 3, 3 };
 
 /* Who has not proven a key in time is let go, not sooner: one that is silent,
  * and one that says a byte now and then. */
-START_TEST(a_stranger_has_its_time_and_no_more)
+LOOP_TEST(a_stranger_has_its_time_and_no_more, 2)
 {
     uint64_t start;
     size_t said = 0;
@@ -469,11 +462,10 @@ START_TEST(a_stranger_has_its_time_and_no_more)
         close(fd);
     }
 }
-END_TEST
 
 /* A stranger whose key is waited for has it looked for no more often by sending
  * more. */
-START_TEST(a_stranger_who_goes_on_talking_causes_few_looks)
+TEST(a_stranger_who_goes_on_talking_causes_few_looks)
 {
     struct tls_ctx *ctx = tls_client();
     struct tls *t = tls_dial(ctx, "peer:late", secret);
@@ -496,10 +488,9 @@ START_TEST(a_stranger_who_goes_on_talking_causes_few_looks)
     tls_free(t);
     tls_ctx_free(ctx);
 }
-END_TEST
 
 /* Unless told otherwise it is ten seconds: nobody goes at once. */
-START_TEST(a_stranger_has_some_time)
+TEST(a_stranger_has_some_time)
 {
     int fd = stranger(13);
 
@@ -508,9 +499,8 @@ START_TEST(a_stranger_has_some_time)
     ck_assert(!hung_up(fd));
     close(fd);
 }
-END_TEST
 
-START_TEST(what_is_under_way_ends_with_the_listener)
+TEST(what_is_under_way_ends_with_the_listener)
 {
     int fd = stranger(9);
 
@@ -522,27 +512,4 @@ START_TEST(what_is_under_way_ends_with_the_listener)
     ck_assert(hung_up(fd));
     close(fd);
     open_scene();
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("gate");
-
-    tcase_add_checked_fixture(tc, open_scene, close_scene);
-    tcase_add_loop_test(tc, nobody_gets_in_once_the_listener_is_closed, 0, 40);
-    tcase_add_test(tc, a_key_lets_in_and_another_does_not);
-    tcase_add_test(tc, nobody_waits_for_a_resolver_that_hangs);
-    tcase_add_test(tc, an_address_that_never_answers_is_left_for_the_next);
-    tcase_add_loop_test(tc, a_key_that_comes_later_is_waited_for, 0, 2);
-    tcase_add_test(tc, messages_go_by_tls_as_they_are);
-    tcase_add_test(tc, a_host_holds_some_and_the_oldest_goes);
-    tcase_add_test(tc, all_hosts_hold_some_and_the_oldest_goes);
-    tcase_add_test(tc, a_stranger_who_talks_is_let_go);
-    tcase_add_loop_test(tc, a_stranger_has_its_time_and_no_more, 0, 2);
-    tcase_add_test(tc, a_stranger_who_goes_on_talking_causes_few_looks);
-    tcase_add_test(tc, a_stranger_has_some_time);
-    tcase_add_test(tc, what_is_under_way_ends_with_the_listener);
-    return unit_run_case(tc);
 }

@@ -33,7 +33,7 @@ static const struct {
       3, true, 1709164800 },
 };
 
-START_TEST(a_line_says_whose_key_it_is)
+LOOP_TEST(a_line_says_whose_key_it_is, N_ELEM(good))
 {
     struct keyfile f;
     struct rad_error err = { 0 };
@@ -52,7 +52,6 @@ START_TEST(a_line_says_whose_key_it_is)
     }
     keyfile_release(&f);
 }
-END_TEST
 
 #define N63 "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
 static const struct {
@@ -84,7 +83,7 @@ static const struct {
     { "worker:a:k1 " HEX "\nworker:a:k1 retired", "line 2", "there already" },
 };
 
-START_TEST(a_bad_line_is_named_and_its_secret_is_not)
+LOOP_TEST(a_bad_line_is_named_and_its_secret_is_not, N_ELEM(bad))
 {
     struct keyfile f;
     struct rad_error err = { 0 };
@@ -98,9 +97,8 @@ START_TEST(a_bad_line_is_named_and_its_secret_is_not)
     ck_assert_uint_eq(f.n, 0);
     ck_assert_ptr_null(f.text);
 }
-END_TEST
 
-START_TEST(bounds_of_a_file_are_kept)
+TEST(bounds_of_a_file_are_kept)
 {
     struct keyfile f;
     size_t room = 2 * KEY_MAX_FILE, n = 0;
@@ -125,9 +123,8 @@ START_TEST(bounds_of_a_file_are_kept)
                      RAD_ECONFIG);
     free(text);
 }
-END_TEST
 
-START_TEST(both_keys_of_a_rotation_count_until_one_is_retired)
+TEST(both_keys_of_a_rotation_count_until_one_is_retired)
 {
     static const char text[] = "# mine\nuser:bo:k1 " HEX;
     struct keyfile f;
@@ -157,9 +154,8 @@ START_TEST(both_keys_of_a_rotation_count_until_one_is_retired)
     ck_assert_int_eq(strncmp(f.text, text, strlen(text)), 0);
     keyfile_release(&f);
 }
-END_TEST
 
-START_TEST(a_key_ends_when_its_date_comes)
+TEST(a_key_ends_when_its_date_comes)
 {
     struct keyfile f;
     int64_t at = 0;
@@ -178,13 +174,12 @@ START_TEST(a_key_ends_when_its_date_comes)
     ck_assert_ptr_null(keyfile_best(&f, MSG_ROLE_USER, at));
     keyfile_release(&f);
 }
-END_TEST
 
 static const char *const no_names[] = {
     "ana", "", "user:", "user:a b", "user:a:k1", "root:a", "user:a\nb"
 };
 
-START_TEST(only_names_get_keys)
+LOOP_TEST(only_names_get_keys, N_ELEM(no_names))
 {
     struct keyfile f;
 
@@ -194,7 +189,6 @@ START_TEST(only_names_get_keys)
     ck_assert_uint_eq(f.n, 0);
     keyfile_release(&f);
 }
-END_TEST
 
 static char path[128];
 
@@ -212,6 +206,8 @@ tear_down(void)
     ck_assert_int_eq(rmdir(dir), 0); /* no temporary file was left */
 }
 
+FIXTURE(set_up, tear_down)
+
 static int
 order(enum msg_key_order what, const char *name, char **json)
 {
@@ -220,7 +216,7 @@ order(enum msg_key_order what, const char *name, char **json)
     return key_order_run(path, &o, 1, json, NULL);
 }
 
-START_TEST(orders_change_the_file_and_say_what_they_did)
+TEST(orders_change_the_file_and_say_what_they_did)
 {
     struct keyfile f;
     struct stat st;
@@ -248,10 +244,9 @@ START_TEST(orders_change_the_file_and_say_what_they_did)
     ck_assert_str_eq(json, "{ \"retired\": 1 }");
     free(json);
 }
-END_TEST
 
 /* The largest list that a key file makes, which is not told in pages. */
-START_TEST(a_list_of_all_keys_fits_an_answer)
+TEST(a_list_of_all_keys_fits_an_answer)
 {
     char name[MSG_MAX_NAME + 1], *json = NULL;
     FILE *out;
@@ -269,10 +264,9 @@ START_TEST(a_list_of_all_keys_fits_an_answer)
     ck_assert_uint_le(strlen(json), MSG_MAX - 4);
     free(json);
 }
-END_TEST
 
 /* The file that a link leads to is the one that changes. */
-START_TEST(links_are_followed_and_stay)
+TEST(links_are_followed_and_stay)
 {
     char link_path[160];
     struct keyfile f;
@@ -294,10 +288,9 @@ START_TEST(links_are_followed_and_stay)
     keyfile_release(&f);
     ck_assert_int_eq(unlink(link_path), 0);
 }
-END_TEST
 
 /* Retired in one name, a key would be good in the other. */
-START_TEST(file_of_two_names_is_not_changed)
+TEST(file_of_two_names_is_not_changed)
 {
     char second[160], *json;
     struct keyfile f;
@@ -312,10 +305,9 @@ START_TEST(file_of_two_names_is_not_changed)
     keyfile_release(&f);
     ck_assert_int_eq(unlink(second), 0);
 }
-END_TEST
 
 /* A user who is not in the group of its file. */
-START_TEST(group_that_cannot_be_kept_is_let_go)
+TEST(group_that_cannot_be_kept_is_let_go)
 {
     enum { NOBODY = 65534, STRANGE_GROUP = 64123 };
     char *json;
@@ -338,9 +330,8 @@ START_TEST(group_that_cannot_be_kept_is_let_go)
     ck_assert(WIFEXITED(status));
     ck_assert_int_eq(WEXITSTATUS(status), 0);
 }
-END_TEST
 
-START_TEST(a_key_that_has_expired_is_not_made)
+TEST(a_key_that_has_expired_is_not_made)
 {
     const int64_t end = 1800000000;
     struct key_order o = { MSG_KEY_ADD, "user:a", end, false };
@@ -355,11 +346,10 @@ START_TEST(a_key_that_has_expired_is_not_made)
     ck_assert_int_eq(key_order_run(path, &o, end, &json, NULL), 0);
     free(json);
 }
-END_TEST
 
 static const mode_t open_modes[] = { 0640, 0604, 0620, 0602, 0601, 0660 };
 
-START_TEST(a_file_that_others_may_open_is_refused)
+LOOP_TEST(a_file_that_others_may_open_is_refused, N_ELEM(open_modes))
 {
     struct keyfile f;
     char *json;
@@ -374,10 +364,9 @@ START_TEST(a_file_that_others_may_open_is_refused)
     ck_assert_uint_eq(f.n, 1);
     keyfile_release(&f);
 }
-END_TEST
 
 /* systemd's way: an access list shows as root's group that may read. */
-START_TEST(credentials_of_systemd_are_taken)
+TEST(credentials_of_systemd_are_taken)
 {
     struct keyfile f;
     char *json;
@@ -395,9 +384,8 @@ START_TEST(credentials_of_systemd_are_taken)
     ck_assert_int_eq(keyfile_load(&f, path, NULL), RAD_EPERM);
     unsetenv("CREDENTIALS_DIRECTORY");
 }
-END_TEST
 
-START_TEST(a_file_that_cannot_be_is_an_error)
+TEST(a_file_that_cannot_be_is_an_error)
 {
     struct rad_error err = { 0 };
     struct keyfile f;
@@ -410,31 +398,4 @@ START_TEST(a_file_that_cannot_be_is_an_error)
     ck_assert_int_eq(keyfile_load(&f, path, &err), RAD_ECONFIG);
     ck_assert_msg(strcmp(err.where + strlen(err.where) - 7, "/keys:3") == 0,
                   "%s", err.where);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("keyfile");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_loop_test(tc, a_line_says_whose_key_it_is, 0, N_ELEM(good));
-    tcase_add_loop_test(tc, a_bad_line_is_named_and_its_secret_is_not, 0,
-                        N_ELEM(bad));
-    tcase_add_test(tc, bounds_of_a_file_are_kept);
-    tcase_add_test(tc, both_keys_of_a_rotation_count_until_one_is_retired);
-    tcase_add_test(tc, a_key_ends_when_its_date_comes);
-    tcase_add_loop_test(tc, only_names_get_keys, 0, N_ELEM(no_names));
-    tcase_add_test(tc, orders_change_the_file_and_say_what_they_did);
-    tcase_add_test(tc, a_list_of_all_keys_fits_an_answer);
-    tcase_add_test(tc, links_are_followed_and_stay);
-    tcase_add_test(tc, file_of_two_names_is_not_changed);
-    tcase_add_test(tc, group_that_cannot_be_kept_is_let_go);
-    tcase_add_test(tc, a_key_that_has_expired_is_not_made);
-    tcase_add_loop_test(tc, a_file_that_others_may_open_is_refused, 0,
-                        N_ELEM(open_modes));
-    tcase_add_test(tc, credentials_of_systemd_are_taken);
-    tcase_add_test(tc, a_file_that_cannot_be_is_an_error);
-    return unit_run_case(tc);
 }

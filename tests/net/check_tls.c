@@ -87,7 +87,7 @@ shake(struct pair *p)
     }
 }
 
-START_TEST(who_has_the_key_gets_in)
+TEST(who_has_the_key_gets_in)
 {
     struct pair p;
     char text[10];
@@ -109,7 +109,6 @@ START_TEST(who_has_the_key_gets_in)
     ck_assert(tls_ended(p.s));
     close_pair(&p);
 }
-END_TEST
 
 static const char *
 find_later(void *arg, const char *id, uint8_t secret[TLS_SECRET])
@@ -123,7 +122,7 @@ find_later(void *arg, const char *id, uint8_t secret[TLS_SECRET])
 
 /* A client whose key is told us later than it comes, and one whose key is not
  * waited for any longer. */
-START_TEST(a_key_may_come_later)
+LOOP_TEST(a_key_may_come_later, 2)
 {
     struct pair p;
     int asked = 0;
@@ -157,7 +156,6 @@ START_TEST(a_key_may_come_later)
     }
     close_pair(&p);
 }
-END_TEST
 
 static const char *changed_why;
 static const uint8_t *changed_secret;
@@ -182,7 +180,7 @@ static const struct {
     { TLS_LATER, right, RAD_ETEMPFAIL, "key not known any more 'user:ana:k1'" },
 };
 
-START_TEST(a_key_that_changes_before_it_is_proven_is_refused)
+LOOP_TEST(a_key_that_changes_before_it_is_proven_is_refused, N_ELEM(changes))
 {
     struct pair p;
 
@@ -205,7 +203,6 @@ START_TEST(a_key_that_changes_before_it_is_proven_is_refused)
     ck_assert_str_eq(p.serr.what, changes[_i].said);
     close_pair(&p);
 }
-END_TEST
 
 static const struct {
     const char *id;
@@ -219,7 +216,7 @@ static const struct {
 };
 
 /* They cannot tell what is wrong. */
-START_TEST(who_has_it_not_learns_nothing)
+LOOP_TEST(who_has_it_not_learns_nothing, N_ELEM(strangers))
 {
     struct pair p, q;
     const uint8_t *a, *b;
@@ -244,7 +241,6 @@ START_TEST(who_has_it_not_learns_nothing)
     close_pair(&p);
     close_pair(&q);
 }
-END_TEST
 
 /* --- strangers of OpenSSL's --- */
 
@@ -368,7 +364,7 @@ self_sign(SSL_CTX *ctx)
     EVP_PKEY_free(key);
 }
 
-START_TEST(a_server_with_a_certificate_is_not_ours)
+TEST(a_server_with_a_certificate_is_not_ours)
 {
     struct tls_ctx *ctx = tls_client();
     struct tls *ours = tls_dial(ctx, "user:ana:k1", right);
@@ -386,7 +382,6 @@ START_TEST(a_server_with_a_certificate_is_not_ours)
     tls_free(ours);
     tls_ctx_free(ctx);
 }
-END_TEST
 
 static void
 use_tls12(struct stranger *x)
@@ -441,7 +436,7 @@ static const struct {
     { offer_sha384, "no key was offered" },
 };
 
-START_TEST(other_ways_of_tls_are_refused)
+LOOP_TEST(other_ways_of_tls_are_refused, N_ELEM(clients))
 {
     struct tls_ctx *ctx = tls_server(find, NULL);
     struct tls *ours = tls_accept(ctx);
@@ -457,11 +452,10 @@ START_TEST(other_ways_of_tls_are_refused)
     tls_free(ours);
     tls_ctx_free(ctx);
 }
-END_TEST
 
 /* One that offers everything gets the suite that the key is for, a fresh
  * exchange, and no ticket. */
-START_TEST(suite_exchange_and_tickets_are_as_told)
+TEST(suite_exchange_and_tickets_are_as_told)
 {
     struct tls_ctx *ctx = tls_server(find, NULL);
     struct tls *ours = tls_accept(ctx);
@@ -483,9 +477,8 @@ START_TEST(suite_exchange_and_tickets_are_as_told)
     tls_free(ours);
     tls_ctx_free(ctx);
 }
-END_TEST
 
-START_TEST(early_data_is_not_read)
+TEST(early_data_is_not_read)
 {
     struct tls_ctx *ctx = tls_server(find, NULL);
     struct tls *ours = tls_accept(ctx);
@@ -509,11 +502,10 @@ START_TEST(early_data_is_not_read)
     tls_free(ours);
     tls_ctx_free(ctx);
 }
-END_TEST
 
 /* --- bytes --- */
 
-START_TEST(what_waits_is_bounded)
+TEST(what_waits_is_bounded)
 {
     static uint8_t bytes[TLS_MARK];
     struct pair p;
@@ -525,9 +517,8 @@ START_TEST(what_waits_is_bounded)
     ck_assert_int_eq(tls_put(p.s, bytes, 1, NULL), RAD_EPROTO);
     close_pair(&p);
 }
-END_TEST
 
-START_TEST(much_arrives_as_it_went_however_it_is_cut)
+LOOP_TEST(much_arrives_as_it_went_however_it_is_cut, 2)
 {
     enum { TOTAL = 1 << 20 };
     static uint8_t sent[TOTAL], got[TOTAL];
@@ -553,9 +544,8 @@ START_TEST(much_arrives_as_it_went_however_it_is_cut)
     ck_assert_int_eq(memcmp(sent, got, TOTAL), 0);
     close_pair(&p);
 }
-END_TEST
 
-START_TEST(a_changed_byte_is_noticed)
+LOOP_TEST(a_changed_byte_is_noticed, 20)
 {
     struct pair p;
     const uint8_t *bytes;
@@ -574,7 +564,6 @@ START_TEST(a_changed_byte_is_noticed)
     ck_assert_int_eq(tls_read(p.s, text, sizeof text, NULL), RAD_EPROTO);
     close_pair(&p);
 }
-END_TEST
 
 static uint32_t
 next_random(uint32_t *state)
@@ -583,7 +572,7 @@ next_random(uint32_t *state)
     return *state >> 16;
 }
 
-START_TEST(garbage_ends_a_handshake)
+LOOP_TEST(garbage_ends_a_handshake, 64)
 {
     struct pair p;
     uint8_t bytes[2000];
@@ -606,10 +595,9 @@ START_TEST(garbage_ends_a_handshake)
     ck_assert_int_lt(tls_write(p.s, bytes, 5, NULL), 0);
     close_pair(&p);
 }
-END_TEST
 
 /* A client whose bytes are changed on the way never gets in. */
-START_TEST(a_changed_handshake_fails)
+LOOP_TEST(a_changed_handshake_fails, 64)
 {
     struct pair p;
     const uint8_t *bytes;
@@ -635,9 +623,8 @@ START_TEST(a_changed_handshake_fails)
     ck_assert_int_ne(rc, 1);
     close_pair(&p);
 }
-END_TEST
 
-START_TEST(peers_of_one_job_have_a_key_of_their_own)
+TEST(peers_of_one_job_have_a_key_of_their_own)
 {
     uint8_t job[16] = { 1 }, token[16] = { 2 }, a[TLS_SECRET], b[TLS_SECRET];
     char ida[TLS_ID], idb[TLS_ID];
@@ -656,29 +643,4 @@ START_TEST(peers_of_one_job_have_a_key_of_their_own)
     ck_assert(tls_peer_key(job, 16, token, 16, idb, b));
     ck_assert_str_ne(ida, idb);
     ck_assert_int_ne(memcmp(a, b, TLS_SECRET), 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("tls");
-
-    tcase_add_loop_test(tc, a_key_may_come_later, 0, 2);
-    tcase_add_test(tc, who_has_the_key_gets_in);
-    tcase_add_loop_test(tc, a_key_that_changes_before_it_is_proven_is_refused,
-                        0, N_ELEM(changes));
-    tcase_add_loop_test(tc, who_has_it_not_learns_nothing, 0,
-                        N_ELEM(strangers));
-    tcase_add_test(tc, a_server_with_a_certificate_is_not_ours);
-    tcase_add_loop_test(tc, other_ways_of_tls_are_refused, 0, N_ELEM(clients));
-    tcase_add_test(tc, suite_exchange_and_tickets_are_as_told);
-    tcase_add_test(tc, early_data_is_not_read);
-    tcase_add_test(tc, what_waits_is_bounded);
-    tcase_add_loop_test(tc, much_arrives_as_it_went_however_it_is_cut, 0, 2);
-    tcase_add_loop_test(tc, a_changed_byte_is_noticed, 0, 20);
-    tcase_add_loop_test(tc, garbage_ends_a_handshake, 0, 64);
-    tcase_add_loop_test(tc, a_changed_handshake_fails, 0, 64);
-    tcase_add_test(tc, peers_of_one_job_have_a_key_of_their_own);
-    return unit_run_case(tc);
 }

@@ -16,7 +16,7 @@ static const struct {
       "HELLO of 4294967295 bytes is too long" },
 };
 
-START_TEST(a_bad_header_is_refused_before_its_body)
+LOOP_TEST(a_bad_header_is_refused_before_its_body, N_ELEM(headers))
 {
     const uint8_t *p = (const uint8_t *)headers[_i].bytes;
     struct frame_reader r;
@@ -30,9 +30,8 @@ START_TEST(a_bad_header_is_refused_before_its_body)
     ck_assert_int_eq(frame_read(&r, &p, &n, &m, NULL), RAD_EPROTO);
     frame_reader_release(&r);
 }
-END_TEST
 
-START_TEST(frames_come_out_whole_however_they_come_in)
+LOOP_TEST(frames_come_out_whole_however_they_come_in, 40)
 {
     size_t piece = (size_t)_i + 1, total = 0, count = 0;
     uint8_t bytes[MOST];
@@ -59,9 +58,8 @@ START_TEST(frames_come_out_whole_however_they_come_in)
     frame_reader_release(&r);
     msg_release(&m);
 }
-END_TEST
 
-START_TEST(memory_follows_what_came_not_what_was_claimed)
+TEST(memory_follows_what_came_not_what_was_claimed)
 {
     static const char head[] = "RADD\0\54\0\0\0\0\0\0\0\xf\xff\0"; /* RESULT */
     const uint8_t *p = (const uint8_t *)head;
@@ -74,17 +72,4 @@ START_TEST(memory_follows_what_came_not_what_was_claimed)
     ck_assert_uint_eq(r.head.length, 0xfff00);
     ck_assert_uint_le(r.cap, 1024);
     frame_reader_release(&r);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("framing");
-
-    tcase_add_loop_test(tc, a_bad_header_is_refused_before_its_body, 0,
-                        N_ELEM(headers));
-    tcase_add_loop_test(tc, frames_come_out_whole_however_they_come_in, 0, 40);
-    tcase_add_test(tc, memory_follows_what_came_not_what_was_claimed);
-    return unit_run_case(tc);
 }

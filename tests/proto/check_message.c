@@ -172,7 +172,7 @@ record(const char *folder, uint16_t type, const uint8_t *bytes, size_t n)
 }
 
 /* The first by frame, then row, then column, in whatever order they come. */
-START_TEST(the_first_pixel_that_is_no_number_is_kept)
+TEST(the_first_pixel_that_is_no_number_is_kept)
 {
     static const struct msg_nan none, some[] = {
         { 2, 1, 0, 0 }, { 1, 0, 9, 8 }, { 3, 0, 5, 7 }, { 1, 0, 6, 7 }
@@ -188,9 +188,8 @@ START_TEST(the_first_pixel_that_is_no_number_is_kept)
     ck_assert(up.frame == 0 && up.x == 5 && up.y == 7);
     ck_assert(down.frame == 0 && down.x == 5 && down.y == 7);
 }
-END_TEST
 
-START_TEST(what_a_sum_lacks_of_another_is_no_less_than_nothing)
+TEST(what_a_sum_lacks_of_another_is_no_less_than_nothing)
 {
     static const struct msg_counts all = { .rays = 9,
                                            .primary_rays = 8,
@@ -213,10 +212,9 @@ START_TEST(what_a_sum_lacks_of_another_is_no_less_than_nothing)
     msg_counts_add(&lack, &have);
     ck_assert_uint_eq(lack.rays, all.rays);
 }
-END_TEST
 
 /* The first four objects with all their counts, in whatever order they come. */
-START_TEST(functions_without_a_value_are_summed_by_object)
+TEST(functions_without_a_value_are_summed_by_object)
 {
     static const struct msg_fault some[][MSG_FAULTS] = {
         { { 5, 1 }, { 9, 2 } },
@@ -241,9 +239,8 @@ START_TEST(functions_without_a_value_are_summed_by_object)
         ck_assert_uint_eq(down[i].count, sum[i].count);
     }
 }
-END_TEST
 
-START_TEST(every_message_has_its_recorded_bytes)
+LOOP_TEST(every_message_has_its_recorded_bytes, N_EXAMPLES)
 {
     const struct msg *m = &examples[_i];
     uint8_t bytes[MOST];
@@ -265,9 +262,8 @@ START_TEST(every_message_has_its_recorded_bytes)
     ck_assert_uint_eq(i, n);
     fclose(f);
 }
-END_TEST
 
-START_TEST(every_message_has_an_example)
+TEST(every_message_has_an_example)
 {
     uint16_t type;
 
@@ -275,10 +271,9 @@ START_TEST(every_message_has_an_example)
         ck_assert_msg(i < (size_t)N_ELEM(examples) && examples[i].type == type,
                       "%s has none", msg_name(type));
 }
-END_TEST
 
 /* Unpacked and packed again it is the same. */
-START_TEST(every_message_comes_back)
+LOOP_TEST(every_message_comes_back, N_EXAMPLES)
 {
     const struct msg *example = &examples[_i];
     uint8_t first[MOST], again[MOST];
@@ -293,10 +288,9 @@ START_TEST(every_message_comes_back)
     ck_assert_mem_eq(again, first, n);
     msg_release(&m);
 }
-END_TEST
 
 /* Coded rows are all that is left of a RESULT. */
-START_TEST(coded_rows_come_back)
+TEST(coded_rows_come_back)
 {
     uint8_t bytes[MOST];
     const struct msg m = { .type = MSG_RESULT,
@@ -318,7 +312,6 @@ START_TEST(coded_rows_come_back)
         RAD_EPROTO); /* no byte of them */
     msg_release(&back);
 }
-END_TEST
 
 static const struct {
     unsigned min, max, common;
@@ -327,16 +320,15 @@ static const struct {
     { 0, 1, 1 }, { 3, 3, 0 }, { 0, 0, 0 }, { 2, 1, 0 }, /* no range at all */
 };
 
-START_TEST(the_highest_version_that_both_speak_is_taken)
+LOOP_TEST(the_highest_version_that_both_speak_is_taken, N_ELEM(ranges))
 {
     ck_assert_uint_eq(msg_common_version(ranges[_i].min, ranges[_i].max),
                       ranges[_i].common);
 }
-END_TEST
 
 /* To whoever speaks an older version than the message's, it is none, in neither
  * direction. */
-START_TEST(a_later_message_is_none_of_an_earlier_version)
+TEST(a_later_message_is_none_of_an_earlier_version)
 {
     struct msg m = { .type = MSG_KEY, .key = { MSG_KEY_LIST, "", 0 } };
     unsigned since = msg_since(MSG_KEY);
@@ -360,9 +352,8 @@ START_TEST(a_later_message_is_none_of_an_earlier_version)
     msg_release(&m);
     wire_out_release(&out);
 }
-END_TEST
 
-START_TEST(a_message_of_any_other_length_is_refused)
+LOOP_TEST(a_message_of_any_other_length_is_refused, N_EXAMPLES)
 {
     uint16_t type = examples[_i].type;
     uint8_t bytes[MOST] = { 0 };
@@ -377,10 +368,9 @@ START_TEST(a_message_of_any_other_length_is_refused)
                              RAD_EPROTO);
     msg_release(&m);
 }
-END_TEST
 
 /* Whatever a byte is changed to: refused, or it packs to the same bytes. */
-START_TEST(a_damaged_message_is_refused_or_consistent)
+LOOP_TEST(a_damaged_message_is_refused_or_consistent, N_EXAMPLES)
 {
     uint16_t type = examples[_i].type;
     uint8_t bytes[MOST] = { 0 };
@@ -399,7 +389,6 @@ START_TEST(a_damaged_message_is_refused_or_consistent)
         }
     msg_release(&m);
 }
-END_TEST
 
 /* Amounts that the coordinator adds up, and tells. */
 static const struct {
@@ -425,7 +414,7 @@ static const struct {
 };
 
 /* Statistics are JSON, which has no infinity, not even one that is a sum. */
-START_TEST(an_amount_without_end_is_refused)
+LOOP_TEST(an_amount_without_end_is_refused, N_ELEM(amounts))
 {
     static const double wrong[] = { -1, NAN, INFINITY, DBL_MAX, 1e100 };
     uint8_t bytes[MOST];
@@ -444,9 +433,8 @@ START_TEST(an_amount_without_end_is_refused)
     }
     msg_release(&back);
 }
-END_TEST
 
-START_TEST(a_sum_of_doubt_has_an_end)
+TEST(a_sum_of_doubt_has_an_end)
 {
     static const double value[] = { -1, 9e99, NAN, INFINITY, -1e100 };
     uint8_t bytes[MOST];
@@ -463,7 +451,6 @@ START_TEST(a_sum_of_doubt_has_an_end)
     }
     msg_release(&back);
 }
-END_TEST
 
 /* Numbers that are read, and that nobody means. */
 static const struct {
@@ -502,7 +489,7 @@ static const struct {
     NUMBER(MSG_PAID, paid.counts.nan.y, MSG_MAX_SIDE + 1, UINT32_MAX),
 };
 
-START_TEST(a_number_out_of_its_range_is_refused)
+LOOP_TEST(a_number_out_of_its_range_is_refused, (int)N_ELEM(numbers))
 {
     const uint64_t wrong[] = { numbers[_i].least_wrong, numbers[_i].wrong };
     uint8_t bytes[MOST];
@@ -522,10 +509,9 @@ START_TEST(a_number_out_of_its_range_is_refused)
     }
     msg_release(&back);
 }
-END_TEST
 
 /* It would be counted as next to nothing. */
-START_TEST(a_file_of_more_than_all_disks_have_is_refused)
+TEST(a_file_of_more_than_all_disks_have_is_refused)
 {
     static const uint8_t data[MSG_HASH];
     struct msg m = { .type = MSG_CHUNK }, back = { 0 };
@@ -537,9 +523,8 @@ START_TEST(a_file_of_more_than_all_disks_have_is_refused)
     wire_out_release(&w);
     msg_release(&back);
 }
-END_TEST
 
-START_TEST(a_hello_of_another_version_is_understood_so_far)
+TEST(a_hello_of_another_version_is_understood_so_far)
 {
     static const uint8_t bytes[] = { 0, 3, 0, 4, 1, 0xff, 0xee };
     struct msg m = { 0 };
@@ -551,7 +536,6 @@ START_TEST(a_hello_of_another_version_is_understood_so_far)
     ck_assert_str_eq(m.hello.name, "");
     msg_release(&m);
 }
-END_TEST
 
 /* What may arrive where, said once more and in the other direction: a change
  * of message.def must be meant. */
@@ -592,7 +576,7 @@ static const struct {
     { MSG_NSESSION, " " },
 };
 
-START_TEST(each_message_arrives_only_where_it_may)
+LOOP_TEST(each_message_arrives_only_where_it_may, N_ELEM(arrivals))
 {
     uint16_t type;
 
@@ -608,7 +592,6 @@ START_TEST(each_message_arrives_only_where_it_may)
     }
     ck_assert(!msg_allowed(arrivals[_i].session, 9999));
 }
-END_TEST
 
 static const uint8_t not_costs[2][4] = { { 0xbf, 0x80 }, { 0x7f, 0x80 } };
 static const uint8_t past_width[] = { 0, 4 };
@@ -657,7 +640,7 @@ static const struct msg impossible[] = {
     { .type = MSG_BACK, .back = { ID, 0, 0, 1, 65535, 1 } },
 };
 
-START_TEST(what_cannot_be_read_is_not_written)
+LOOP_TEST(what_cannot_be_read_is_not_written, N_ELEM(impossible))
 {
     struct wire_out out;
 
@@ -667,9 +650,8 @@ START_TEST(what_cannot_be_read_is_not_written)
     ck_assert(!out.bad); /* good for the next */
     wire_out_release(&out);
 }
-END_TEST
 
-START_TEST(job_ids_are_32_hex_digits)
+TEST(job_ids_are_32_hex_digits)
 {
     char hex[MSG_JOB_HEX];
     uint8_t id[MSG_JOB];
@@ -682,7 +664,6 @@ START_TEST(job_ids_are_32_hex_digits)
     ck_assert(!msg_job_parse("101112131415161718191a1b1c1d1e1g", id));
     ck_assert(!msg_job_parse("101112131415161718191a1b1c1d1e1f0", id));
 }
-END_TEST
 
 static FILE *
 open_page(void)
@@ -719,7 +700,7 @@ last_column_is(char *line, const char *words)
 }
 
 /* "| SESSION | who reads, and when | what may arrive |" */
-START_TEST(each_session_is_documented)
+LOOP_TEST(each_session_is_documented, MSG_NSESSION)
 {
     char line[1024];
     bool found = false;
@@ -730,10 +711,9 @@ START_TEST(each_session_is_documented)
     fclose(f);
     ck_assert_msg(found, "no row has%s", arrivals[_i].types);
 }
-END_TEST
 
 /* doc/protocol.md has a heading "### NAME (number)" for each. */
-START_TEST(every_message_is_documented)
+LOOP_TEST(every_message_is_documented, N_EXAMPLES)
 {
     char line[512], want[64];
     bool found = false;
@@ -745,40 +725,4 @@ START_TEST(every_message_is_documented)
         found = strcmp(line, want) == 0;
     fclose(f);
     ck_assert_msg(found, "%s has no table", msg_name(type));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("message");
-    int n = N_EXAMPLES;
-
-    tcase_add_test(tc, the_first_pixel_that_is_no_number_is_kept);
-    tcase_add_test(tc, what_a_sum_lacks_of_another_is_no_less_than_nothing);
-    tcase_add_test(tc, functions_without_a_value_are_summed_by_object);
-    tcase_add_loop_test(tc, every_message_has_its_recorded_bytes, 0, n);
-    tcase_add_test(tc, every_message_has_an_example);
-    tcase_add_loop_test(tc, every_message_comes_back, 0, n);
-    tcase_add_test(tc, coded_rows_come_back);
-    tcase_add_loop_test(tc, the_highest_version_that_both_speak_is_taken, 0,
-                        N_ELEM(ranges));
-    tcase_add_test(tc, a_later_message_is_none_of_an_earlier_version);
-    tcase_add_loop_test(tc, a_message_of_any_other_length_is_refused, 0, n);
-    tcase_add_loop_test(tc, a_damaged_message_is_refused_or_consistent, 0, n);
-    tcase_add_loop_test(tc, an_amount_without_end_is_refused, 0,
-                        N_ELEM(amounts));
-    tcase_add_test(tc, a_sum_of_doubt_has_an_end);
-    tcase_add_test(tc, a_hello_of_another_version_is_understood_so_far);
-    tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
-                        N_ELEM(arrivals));
-    tcase_add_loop_test(tc, a_number_out_of_its_range_is_refused, 0,
-                        (int)N_ELEM(numbers));
-    tcase_add_test(tc, a_file_of_more_than_all_disks_have_is_refused);
-    tcase_add_loop_test(tc, what_cannot_be_read_is_not_written, 0,
-                        N_ELEM(impossible));
-    tcase_add_test(tc, job_ids_are_32_hex_digits);
-    tcase_add_loop_test(tc, every_message_is_documented, 0, n);
-    tcase_add_loop_test(tc, each_session_is_documented, 0, MSG_NSESSION);
-    return unit_run_case(tc);
 }

@@ -738,14 +738,13 @@ expect_seed(const char *name)
                   "seed %s is not what it should be: RADD_RECORD", name);
 }
 
-START_TEST(a_session_is_recorded_as_it_is_said)
+LOOP_TEST(a_session_is_recorded_as_it_is_said, N_ELEM(seeds))
 {
     wire_out_init(&seed, 1 << 16);
     seeds[_i].build();
     expect_seed(seeds[_i].name);
     wire_out_release(&seed);
 }
-END_TEST
 
 /* --- single frames --- */
 
@@ -780,7 +779,7 @@ session_of(uint16_t type)
 }
 
 /* Of every message, in the first session that has it; RESULT in pieces. */
-START_TEST(every_message_is_a_seed)
+TEST(every_message_is_a_seed)
 {
     uint16_t type;
     char name[60];
@@ -798,16 +797,4 @@ START_TEST(every_message_is_a_seed)
         expect_seed(name);
         wire_out_release(&seed);
     }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("seeds");
-
-    tcase_add_loop_test(tc, a_session_is_recorded_as_it_is_said, 0,
-                        N_ELEM(seeds));
-    tcase_add_test(tc, every_message_is_a_seed);
-    return unit_run_case(tc);
 }

@@ -7,7 +7,7 @@
 #include <math.h>
 
 /* Where a picture is from is lines of a header: none of them empty. */
-START_TEST(an_origin_that_is_no_lines_is_refused)
+LOOP_TEST(an_origin_that_is_no_lines_is_refused, 9)
 {
     static const struct {
         const char *origin;
@@ -25,7 +25,6 @@ START_TEST(an_origin_that_is_no_lines_is_refused)
     ck_assert_int_eq(msg_pack(&out, &m) == 0, rows[_i].fits);
     wire_out_release(&out);
 }
-END_TEST
 
 /* A spec whose frames lie in a file, with the sizes of SPEC's. */
 static struct msg
@@ -47,7 +46,7 @@ by_file(void)
 }
 
 /* A message has no more of many frames than where they are. */
-START_TEST(frames_in_a_file_are_left_out)
+TEST(frames_in_a_file_are_left_out)
 {
     struct msg job = by_file(), m = { 0 };
     uint8_t bytes[MOST];
@@ -63,10 +62,9 @@ START_TEST(frames_in_a_file_are_left_out)
     ck_assert_mem_eq(m.submit.views, two_hashes, MSG_HASH);
     msg_release(&m);
 }
-END_TEST
 
 /* What a file of frames says is taken for what it is, or not at all. */
-START_TEST(a_file_of_frames_is_read_back)
+TEST(a_file_of_frames_is_read_back)
 {
     struct msg job = by_file(), list = { 0 };
     struct msg_spec got = { .nframes = job.submit.nframes,
@@ -106,7 +104,6 @@ START_TEST(a_file_of_frames_is_read_back)
     msg_release(&list);
     wire_out_release(&out);
 }
-END_TEST
 
 /* How a picture is filtered, of one that is 4 by 5. */
 static const struct {
@@ -121,7 +118,7 @@ static const struct {
     { 1, 2, false },    { 0, 2, false },   { 2, INFINITY, false },
 };
 
-START_TEST(a_filter_is_within_its_range)
+LOOP_TEST(a_filter_is_within_its_range, N_ELEM(filters))
 {
     static const struct msg_frame small = { 0, 4, 5, "" };
     struct msg m = { .type = MSG_SUBMIT, .submit = SPEC }, back = { 0 };
@@ -147,7 +144,6 @@ START_TEST(a_filter_is_within_its_range)
     }
     msg_release(&back);
 }
-END_TEST
 
 static const struct {
     uint32_t flags, error_ppm, time_ms;
@@ -162,7 +158,7 @@ static const struct {
     { MSG_JOB_PASSES | MSG_JOB_SCENE | MSG_JOB_REUSE, 50000, 9000, true },
 };
 
-START_TEST(a_cache_is_reused_in_passes_of_one_scene)
+LOOP_TEST(a_cache_is_reused_in_passes_of_one_scene, N_ELEM(reuses))
 {
     struct msg m = { .type = MSG_SUBMIT, .submit = SPEC }, back = { 0 };
     bool begins = reuses[_i].flags & MSG_JOB_REUSE;
@@ -197,7 +193,6 @@ START_TEST(a_cache_is_reused_in_passes_of_one_scene)
     }
     msg_release(&back);
 }
-END_TEST
 
 static const struct {
     uint32_t flags, nframes;
@@ -212,7 +207,7 @@ static const struct {
     { MSG_JOB_DEPTH, 2, 2, true },
 };
 
-START_TEST(points_are_one_frame_with_distances)
+LOOP_TEST(points_are_one_frame_with_distances, N_ELEM(points))
 {
     struct msg m = { .type = MSG_SUBMIT, .submit = SPEC }, back = { 0 };
     uint8_t bytes[MOST];
@@ -230,21 +225,4 @@ START_TEST(points_are_one_frame_with_distances)
     if (points[_i].fine)
         ck_assert_uint_eq(back.submit.flags, points[_i].flags);
     msg_release(&back);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("spec");
-
-    tcase_add_loop_test(tc, an_origin_that_is_no_lines_is_refused, 0, 9);
-    tcase_add_test(tc, frames_in_a_file_are_left_out);
-    tcase_add_test(tc, a_file_of_frames_is_read_back);
-    tcase_add_loop_test(tc, a_filter_is_within_its_range, 0, N_ELEM(filters));
-    tcase_add_loop_test(tc, a_cache_is_reused_in_passes_of_one_scene, 0,
-                        N_ELEM(reuses));
-    tcase_add_loop_test(tc, points_are_one_frame_with_distances, 0,
-                        N_ELEM(points));
-    return unit_run_case(tc);
 }

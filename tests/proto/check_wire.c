@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-START_TEST(fields_are_big_endian_and_come_back)
+TEST(fields_are_big_endian_and_come_back)
 {
     static const uint8_t want[] = { 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07,
                                     0xff, 0xff, 0xff, 0xfe, 0x3f, 0x80, 0,
@@ -34,10 +34,9 @@ START_TEST(fields_are_big_endian_and_come_back)
     ck_assert(!in.bad && wire_left(&in) == 0);
     wire_out_release(&out);
 }
-END_TEST
 
 /* Else what a reader forgets to set would be any layout. */
-START_TEST(a_reader_begins_with_no_version)
+TEST(a_reader_begins_with_no_version)
 {
     static const uint8_t one[] = { 1 };
     struct wire_in in;
@@ -47,9 +46,8 @@ START_TEST(a_reader_begins_with_no_version)
     ck_assert_uint_eq(in.version, 0);
     ck_assert(!in.bad && !in.nomem && wire_left(&in) == 1);
 }
-END_TEST
 
-START_TEST(a_read_past_the_end_is_bad_and_stays_bad)
+TEST(a_read_past_the_end_is_bad_and_stays_bad)
 {
     static const uint8_t three[] = { 1, 2, 3 };
     struct wire_in in;
@@ -60,9 +58,8 @@ START_TEST(a_read_past_the_end_is_bad_and_stays_bad)
     ck_assert_uint_eq(wire_get_u8(&in), 0); /* though a byte is left */
     ck_assert(in.bad);
 }
-END_TEST
 
-START_TEST(bytes_are_checked_against_both_ends)
+TEST(bytes_are_checked_against_both_ends)
 {
     static const uint8_t four[] = { 1, 2, 3, 4 };
     uint8_t dst[2] = { 9, 9 };
@@ -77,7 +74,6 @@ START_TEST(bytes_are_checked_against_both_ends)
     ck_assert(in.bad);
     ck_assert(dst[0] == 0 && dst[1] == 0);
 }
-END_TEST
 
 static const struct {
     size_t n;
@@ -99,7 +95,7 @@ static const struct {
     { 2, "\xff\xff", false },
 };
 
-START_TEST(strings_are_bounded_terminated_utf8)
+LOOP_TEST(strings_are_bounded_terminated_utf8, N_ELEM(strings))
 {
     struct wire_in in;
     const char *s;
@@ -109,9 +105,8 @@ START_TEST(strings_are_bounded_terminated_utf8)
     ck_assert_int_eq(!in.bad, strings[_i].good);
     ck_assert_uint_eq(strlen(s), in.bad ? 0 : strings[_i].n - 3);
 }
-END_TEST
 
-START_TEST(what_is_not_utf8_goes_out_as_question_marks)
+TEST(what_is_not_utf8_goes_out_as_question_marks)
 {
     struct wire_out out;
 
@@ -123,9 +118,8 @@ START_TEST(what_is_not_utf8_goes_out_as_question_marks)
     ck_assert(out.bad);
     wire_out_release(&out);
 }
-END_TEST
 
-START_TEST(a_count_is_bounded_by_what_is_left)
+TEST(a_count_is_bounded_by_what_is_left)
 {
     static const uint8_t data[] = { 0, 0, 0, 3, 1, 2, 3, 4, 5, 6 };
     static const uint8_t huge[] = { 0xff, 0xff, 0xff, 0xff, 1 };
@@ -144,9 +138,8 @@ START_TEST(a_count_is_bounded_by_what_is_left)
     ck_assert_uint_eq(wire_get_count(&in, 1, UINT32_MAX), 0);
     ck_assert(in.bad);
 }
-END_TEST
 
-START_TEST(output_stops_at_its_limit)
+TEST(output_stops_at_its_limit)
 {
     struct wire_out out;
 
@@ -159,9 +152,8 @@ START_TEST(output_stops_at_its_limit)
     ck_assert_uint_eq(out.len, 4);
     wire_out_release(&out);
 }
-END_TEST
 
-START_TEST(floats_keep_their_bits)
+TEST(floats_keep_their_bits)
 {
     static const float v[] = { 0, -0.0f, 1.5f, 3e38f, 1e-45f };
     uint8_t bytes[sizeof v];
@@ -172,23 +164,4 @@ START_TEST(floats_keep_their_bits)
     ck_assert_uint_eq(bytes[9], 0xc0);
     wire_floats_get(back, bytes, N_ELEM(v));
     ck_assert_mem_eq(back, v, sizeof v);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("wire");
-
-    tcase_add_test(tc, fields_are_big_endian_and_come_back);
-    tcase_add_test(tc, a_reader_begins_with_no_version);
-    tcase_add_test(tc, a_read_past_the_end_is_bad_and_stays_bad);
-    tcase_add_test(tc, bytes_are_checked_against_both_ends);
-    tcase_add_loop_test(tc, strings_are_bounded_terminated_utf8, 0,
-                        N_ELEM(strings));
-    tcase_add_test(tc, what_is_not_utf8_goes_out_as_question_marks);
-    tcase_add_test(tc, a_count_is_bounded_by_what_is_left);
-    tcase_add_test(tc, output_stops_at_its_limit);
-    tcase_add_test(tc, floats_keep_their_bits);
-    return unit_run_case(tc);
 }

@@ -145,7 +145,7 @@ fetches_out(void)
     return n;
 }
 
-START_TEST(one_picture_at_a_time_is_asked_for)
+TEST(one_picture_at_a_time_is_asked_for)
 {
     uv_loop_t loop;
 
@@ -163,11 +163,10 @@ START_TEST(one_picture_at_a_time_is_asked_for)
         answer(&session, 0, "", 0);
     end(&loop);
 }
-END_TEST
 
 /* Whoever goes through many jobs does not have those that gave way asked about
  * anew each time. */
-START_TEST(jobs_that_gave_way_keep_their_pace)
+TEST(jobs_that_gave_way_keep_their_pace)
 {
     uv_loop_t loop;
     unsigned fetches = 0;
@@ -193,7 +192,6 @@ START_TEST(jobs_that_gave_way_keep_their_pace)
     ck_assert_uint_le(session.fetches, 4 * WATCH_MOST);
     end(&loop);
 }
-END_TEST
 
 /* --- memory --- */
 
@@ -258,7 +256,7 @@ peak_mib(void)
     return (size_t)u.ru_maxrss >> 10;
 }
 
-START_TEST(the_largest_pictures_of_all_jobs_stay_within_bounds)
+TEST(the_largest_pictures_of_all_jobs_stay_within_bounds)
 {
     uv_loop_t loop;
     size_t nhdr, nstats, own;
@@ -305,7 +303,6 @@ START_TEST(the_largest_pictures_of_all_jobs_stay_within_bounds)
     free(hdr);
     free(stats);
 }
-END_TEST
 
 /* --- lists --- */
 
@@ -355,7 +352,7 @@ round_of(struct model *m, uv_loop_t *loop, double rays)
     ck_assert_uint_eq(session.n, 0);
 }
 
-START_TEST(jobs_that_run_are_listed_behind_those_that_wait)
+TEST(jobs_that_run_are_listed_behind_those_that_wait)
 {
     uv_loop_t loop;
     struct model m;
@@ -372,9 +369,8 @@ START_TEST(jobs_that_run_are_listed_behind_those_that_wait)
     model_release(&m);
     uv_loop_close(&loop);
 }
-END_TEST
 
-START_TEST(lists_without_end_are_given_up)
+TEST(lists_without_end_are_given_up)
 {
     uv_loop_t loop;
     struct model m;
@@ -397,19 +393,4 @@ START_TEST(lists_without_end_are_given_up)
     model_release(&m);
     uv_loop_close(&loop);
     free(text);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("core");
-
-    tcase_set_timeout(tc, 120);
-    tcase_add_test(tc, one_picture_at_a_time_is_asked_for);
-    tcase_add_test(tc, jobs_that_gave_way_keep_their_pace);
-    tcase_add_test(tc, the_largest_pictures_of_all_jobs_stay_within_bounds);
-    tcase_add_test(tc, jobs_that_run_are_listed_behind_those_that_wait);
-    tcase_add_test(tc, lists_without_end_are_given_up);
-    return unit_run_case(tc);
 }

@@ -38,7 +38,7 @@ static const struct {
     { NULL, "" },
 };
 
-START_TEST(text_of_others_stays_text)
+LOOP_TEST(text_of_others_stays_text, N_ELEM(texts))
 {
     struct markup m = { 0 };
     char *text;
@@ -48,7 +48,6 @@ START_TEST(text_of_others_stays_text)
     ck_assert_str_eq(text, texts[_i].html);
     free(text);
 }
-END_TEST
 
 static const struct {
     double v;
@@ -65,7 +64,7 @@ static const struct {
     { -1, "0", "-" },
 };
 
-START_TEST(numbers_are_readable)
+LOOP_TEST(numbers_are_readable, N_ELEM(numbers))
 {
     struct markup m = { 0 };
     char *text;
@@ -79,11 +78,10 @@ START_TEST(numbers_are_readable)
     ck_assert_str_eq(text, numbers[_i].span);
     free(text);
 }
-END_TEST
 
 /* --- the last hour --- */
 
-START_TEST(history_is_the_mean_of_ten_seconds)
+TEST(history_is_the_mean_of_ten_seconds)
 {
     static struct history h;
 
@@ -101,7 +99,6 @@ START_TEST(history_is_the_mean_of_ten_seconds)
     for (unsigned i = 0; i < HISTORY_POINTS; i++)
         ck_assert_uint_eq(history_at(&h, i)->notes, 0);
 }
-END_TEST
 
 /* --- statistics --- */
 
@@ -114,7 +111,7 @@ read_text(struct units *u, const char *text)
 #define UNIT(w, s, e)                                                          \
     "{\"worker\": \"" w "\", \"start_s\": " s ", \"end_s\": " e "}"
 
-START_TEST(units_lie_side_by_side)
+TEST(units_lie_side_by_side)
 {
     struct units u;
 
@@ -150,9 +147,8 @@ START_TEST(units_lie_side_by_side)
     ck_assert_int_eq(u.spans[3].kind, UNITS_DONE);
     units_release(&u);
 }
-END_TEST
 
-START_TEST(many_units_are_joined)
+TEST(many_units_are_joined)
 {
     struct markup m = { 0 };
     struct units u;
@@ -181,7 +177,6 @@ START_TEST(many_units_are_joined)
     free(text);
     units_release(&u);
 }
-END_TEST
 
 static const char *const damaged[] = {
     "",
@@ -194,14 +189,13 @@ static const char *const damaged[] = {
     "{\"a\",\n \"units\": []}",
 };
 
-START_TEST(damaged_statistics_are_refused)
+LOOP_TEST(damaged_statistics_are_refused, N_ELEM(damaged))
 {
     struct units u;
 
     ck_assert_int_eq(read_text(&u, damaged[_i]), RAD_EDATA);
     ck_assert_ptr_null(u.head);
 }
-END_TEST
 
 /* --- pictures --- */
 
@@ -225,7 +219,7 @@ flat_picture(int width, int height)
     return (size_t)n + 4 * (size_t)(width * height);
 }
 
-START_TEST(a_picture_is_handed_out_to_the_bit)
+TEST(a_picture_is_handed_out_to_the_bit)
 {
     size_t n = flat_picture(7, 5);
     struct picture pic;
@@ -246,7 +240,6 @@ START_TEST(a_picture_is_handed_out_to_the_bit)
         ck_assert_int_lt(
             picture_make(&pic, (const uint8_t *)hdr_text, k, false, NULL), 0);
 }
-END_TEST
 
 /* Who submits a job has a say in its picture's header. */
 static const struct {
@@ -263,7 +256,7 @@ static const struct {
     { "-vf view.vf", "", "radsubmit -ab 1 -o picture.hdr scene.rad" },
 };
 
-START_TEST(command_lines_run_nothing_of_others)
+LOOP_TEST(command_lines_run_nothing_of_others, N_ELEM(commands))
 {
     struct watch w = { .detail = json_pack("{s:s}", "state", "done"),
                        .units.head = json_pack("{s:s}", "options", "-ab 1") };
@@ -282,10 +275,9 @@ START_TEST(command_lines_run_nothing_of_others)
     markup_release(&m);
     markup_release(&words);
 }
-END_TEST
 
 /* All pixels of one radiance: so is their mean. */
-START_TEST(a_large_picture_is_made_smaller)
+TEST(a_large_picture_is_made_smaller)
 {
     enum { SIDE = 2500 };
     size_t head, n = 4 * (size_t)SIDE * SIDE;
@@ -308,23 +300,4 @@ START_TEST(a_large_picture_is_made_smaller)
     for (size_t i = PICTURE_HEAD; i < pic.nrgbe; i += 4)
         ck_assert_mem_eq(pic.rgbe + i, "\x90\x80\xa0\x81", 4);
     picture_release(&pic);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("core");
-
-    tcase_add_loop_test(tc, text_of_others_stays_text, 0, N_ELEM(texts));
-    tcase_add_loop_test(tc, numbers_are_readable, 0, N_ELEM(numbers));
-    tcase_add_test(tc, history_is_the_mean_of_ten_seconds);
-    tcase_add_test(tc, units_lie_side_by_side);
-    tcase_add_test(tc, many_units_are_joined);
-    tcase_add_loop_test(tc, damaged_statistics_are_refused, 0, N_ELEM(damaged));
-    tcase_add_loop_test(tc, command_lines_run_nothing_of_others, 0,
-                        N_ELEM(commands));
-    tcase_add_test(tc, a_picture_is_handed_out_to_the_bit);
-    tcase_add_test(tc, a_large_picture_is_made_smaller);
-    return unit_run_case(tc);
 }

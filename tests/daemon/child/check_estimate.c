@@ -22,7 +22,7 @@ static const struct rad_window parts[] = { { 0, 0, 1, 1 },   { 5, 7, 2, 1 },
                                            { 0, 9, 65, 63 }, { 100, 0, 1, 97 },
                                            { 0, 3, 480, 3 } };
 
-START_TEST(an_order_has_each_pixel_once)
+LOOP_TEST(an_order_has_each_pixel_once, N_ELEM(parts))
 {
     const struct rad_window *w = &parts[_i];
     int n = w->width * w->height;
@@ -42,7 +42,6 @@ START_TEST(an_order_has_each_pixel_once)
         ck_assert_uint_eq(seen[i], 1);
     free(seen);
 }
-END_TEST
 
 /* Is the first half of an order that of another seed, frame or place? */
 static bool
@@ -61,7 +60,7 @@ same_order(uint64_t seed, uint32_t frame, struct rad_window w, int dx, int dy)
     return same > 10; /* of 60, where chance gives half a one */
 }
 
-START_TEST(seed_frame_and_part_decide)
+TEST(seed_frame_and_part_decide)
 {
     ck_assert(same_order(1, 0, (struct rad_window){ 0, 0, 40, 3 }, 0, 0));
     ck_assert(!same_order(2, 0, (struct rad_window){ 0, 0, 40, 3 }, 0, 0));
@@ -70,7 +69,6 @@ START_TEST(seed_frame_and_part_decide)
     ck_assert(!same_order(1, 0, (struct rad_window){ 8, 0, 40, 3 }, 8, 0));
     ck_assert(!same_order(1, 0, (struct rad_window){ 0, 0, 40, 4 }, 0, 0));
 }
-END_TEST
 
 /* Chi squared of counts that should be equal. */
 static double
@@ -86,7 +84,7 @@ chi_squared(const int *count, int n, double expected)
 /* Over many parts, first pixels, and pairs of first and second, fall as chance
  * would have them: chi squared of n - 1 freedoms is below n + 5 sqrt(2 n) but
  * once in a million. */
-START_TEST(first_pixels_are_spread_evenly)
+TEST(first_pixels_are_spread_evenly)
 {
     enum { SIDE = 8, PARTS = 25600, CELLS = SIDE * SIDE };
     int first[CELLS] = { 0 }, second[CELLS] = { 0 }, step[CELLS] = { 0 };
@@ -112,7 +110,6 @@ START_TEST(first_pixels_are_spread_evenly)
         chi_squared(step + 1, CELLS - 1, (double)PARTS / (CELLS - 1)),
         CELLS + 57);
 }
-END_TEST
 
 /* --- what they cost --- */
 
@@ -163,10 +160,12 @@ tear_down(void)
     pool_close();
 }
 
+FIXTURE(NULL, tear_down)
+
 static const char usual[] =
     "--seed=3 -x 64 -y 48 -pa 0 -ab 0 -ps 6 -pt .05 -pj .67";
 
-START_TEST(more_pixels_than_there_are_is_all_of_them)
+TEST(more_pixels_than_there_are_is_all_of_them)
 {
     static struct rad_sampled out[1000];
     const struct rad_window part = { 20, 20, 8, 5 };
@@ -190,7 +189,6 @@ START_TEST(more_pixels_than_there_are_is_all_of_them)
     ck_assert_uint_eq(2 * cost.tests, f.w.ctx.counts.geom.tests);
     ck_assert_uint_gt(cost.tests, 0);
 }
-END_TEST
 
 /* Lines of the frame: the base line and the bar above it. */
 static uint32_t
@@ -234,7 +232,7 @@ static const struct {
 
 /* Rays are as those of one context.  So are tests of one thread; a context's
  * memory of what hid the last light may spare others some. */
-START_TEST(threads_count_what_one_counts)
+LOOP_TEST(threads_count_what_one_counts, N_ELEM(runs))
 {
     static struct rad_sampled out[WIDTH * HEIGHT];
     struct msg_area areas[HEIGHT];
@@ -268,12 +266,11 @@ START_TEST(threads_count_what_one_counts)
     ck_assert_double_gt(done_s, 0);
     ck_assert_double_gt(pool_tally(f.pool).busy_s, 0);
 }
-END_TEST
 
 /* Where ambient values are kept other pixels come first, which pay for most of
  * them and are not counted; all are facts, each once, though an area has less
  * than twice as many. */
-START_TEST(ambient_values_are_made_before_rays_are_counted)
+TEST(ambient_values_are_made_before_rays_are_counted)
 {
     const struct msg_area areas[2] = { { 0, 24, 20, 16, 4 },
                                        { 0, 30, 30, 3, 2 } };
@@ -297,7 +294,6 @@ START_TEST(ambient_values_are_made_before_rays_are_counted)
     ck_assert_uint_lt(2 * (got.costs[0].rays + got.costs[1].rays),
                       got.counts.rays);
 }
-END_TEST
 
 /* What a FACTS says, put where it belongs; false for what is there already. */
 static void
@@ -331,7 +327,7 @@ unpack_facts(const struct msg_facts *m, float picture[HEIGHT][WIDTH][4],
     ck_assert_uint_eq(n, m->npixels);
 }
 
-START_TEST(pixels_come_back_as_facts)
+LOOP_TEST(pixels_come_back_as_facts, N_ELEM(runs))
 {
     static float picture[HEIGHT][WIDTH][4];
     static bool known[HEIGHT][WIDTH];
@@ -364,10 +360,9 @@ START_TEST(pixels_come_back_as_facts)
     if (runs[_i].rays == 500) /* all that the fish-eye shows */
         ck_assert_uint_eq(n, f.w.ctx.counts.primary_rays);
 }
-END_TEST
 
 /* Areas need not be lines: each message is about one line all the same. */
-START_TEST(facts_of_any_area_are_told_line_by_line)
+TEST(facts_of_any_area_are_told_line_by_line)
 {
     static float picture[HEIGHT][WIDTH][4];
     static bool known[HEIGHT][WIDTH];
@@ -386,9 +381,8 @@ START_TEST(facts_of_any_area_are_told_line_by_line)
     ck_assert_int_eq(n, 16 * 20);
     ck_assert_int_ge(told, 20 / 4); /* -ps 6 has a base line every 4 rows */
 }
-END_TEST
 
-START_TEST(an_estimate_of_nothing_is_answered)
+TEST(an_estimate_of_nothing_is_answered)
 {
     struct msg_estimated got;
 
@@ -398,9 +392,8 @@ START_TEST(an_estimate_of_nothing_is_answered)
     ck_assert_uint_eq(got.ncosts, 0);
     ck_assert_ptr_null(estimate_facts(done));
 }
-END_TEST
 
-START_TEST(a_pool_ends_with_an_estimate_under_way)
+TEST(a_pool_ends_with_an_estimate_under_way)
 {
     struct msg_area areas[HEIGHT];
     struct msg_estimate m = { .rays = 1000,
@@ -411,7 +404,6 @@ START_TEST(a_pool_ends_with_an_estimate_under_way)
     ck_assert(pool_estimate(f.pool, estimate_new(&f.frame, 1, &m, NULL),
                             on_estimated));
 }
-END_TEST
 
 /* Make an estimate of one area, or the facts of one, without memory for its
  * pixels. */
@@ -439,7 +431,7 @@ estimate_in_shortage(bool facts)
 }
 
 /* The process that is short of memory ends, and is no crash. */
-START_TEST(a_shortage_of_memory_is_told_as_one)
+LOOP_TEST(a_shortage_of_memory_is_told_as_one, 2)
 {
     int status;
     pid_t pid;
@@ -455,7 +447,6 @@ START_TEST(a_shortage_of_memory_is_told_as_one)
     ck_assert_msg(WIFEXITED(status) && WEXITSTATUS(status) == EX_OSERR,
                   "status %#x", (unsigned)status);
 }
-END_TEST
 
 static const struct {
     struct msg_area area;
@@ -470,7 +461,7 @@ static const struct {
     { { 0, 0, 0, 4, 4 }, ESTIMATE_MOST_RAYS + 1, "at most 10000" },
 };
 
-START_TEST(areas_outside_are_refused)
+LOOP_TEST(areas_outside_are_refused, N_ELEM(bad))
 {
     struct msg_estimate m = { .rays = bad[_i].rays,
                               .nareas = 1,
@@ -481,26 +472,4 @@ START_TEST(areas_outside_are_refused)
     ck_assert_ptr_null(estimate_new(&f.frame, 1, &m, &err));
     ck_assert_int_eq(err.code, RAD_EPROTO);
     ck_assert_msg(strstr(err.what, bad[_i].what) != NULL, "%s", err.what);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("estimate");
-
-    tcase_add_checked_fixture(tc, NULL, tear_down);
-    tcase_add_loop_test(tc, an_order_has_each_pixel_once, 0, N_ELEM(parts));
-    tcase_add_test(tc, seed_frame_and_part_decide);
-    tcase_add_test(tc, first_pixels_are_spread_evenly);
-    tcase_add_test(tc, ambient_values_are_made_before_rays_are_counted);
-    tcase_add_test(tc, more_pixels_than_there_are_is_all_of_them);
-    tcase_add_loop_test(tc, threads_count_what_one_counts, 0, N_ELEM(runs));
-    tcase_add_loop_test(tc, pixels_come_back_as_facts, 0, N_ELEM(runs));
-    tcase_add_test(tc, facts_of_any_area_are_told_line_by_line);
-    tcase_add_test(tc, an_estimate_of_nothing_is_answered);
-    tcase_add_test(tc, a_pool_ends_with_an_estimate_under_way);
-    tcase_add_loop_test(tc, a_shortage_of_memory_is_told_as_one, 0, 2);
-    tcase_add_loop_test(tc, areas_outside_are_refused, 0, N_ELEM(bad));
-    return unit_run_case(tc);
 }

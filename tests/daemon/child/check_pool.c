@@ -139,7 +139,9 @@ static const struct {
     { "-x 96 -y 96 -ab 0 -ps 16 -pt .2", true, 16, SIDE },
 };
 
-START_TEST(threads_give_the_pixels_of_one)
+FIXTURE(NULL, pool_close)
+
+LOOP_TEST(threads_give_the_pixels_of_one, N_ELEM(pools))
 {
     static struct rad_pixel alone[SIDE][SIDE];
 
@@ -170,7 +172,6 @@ START_TEST(threads_give_the_pixels_of_one)
                         pool_tally(f.pool).busy_s);
     ck_assert_uint_eq(pool_tally(f.pool).rays_under_way, 0);
 }
-END_TEST
 
 struct rays_seen {
     struct team *team;
@@ -213,7 +214,7 @@ count_rays(void *arg, const struct rad_ctx *ctx)
     return ctx->counts.rays;
 }
 
-START_TEST(rays_are_told_while_a_window_is_under_way)
+TEST(rays_are_told_while_a_window_is_under_way)
 {
     static const struct rad_window all = { 0, 0, SIDE, SIDE };
     struct rays_seen seen = { .frame = &f.frame };
@@ -235,7 +236,6 @@ START_TEST(rays_are_told_while_a_window_is_under_way)
     ck_assert(team_waited(seen.team) == 0); /* for whom? */
     team_free(seen.team);
 }
-END_TEST
 
 /* --- strict units, of one frame, by several children --- */
 
@@ -490,7 +490,7 @@ split_any(struct cluster *c)
     }
 }
 
-START_TEST(strict_units_give_the_picture_and_rays_of_one)
+LOOP_TEST(strict_units_give_the_picture_and_rays_of_one, N_ELEM(clusters))
 {
     static struct rad_pixel alone[SIDE][SIDE];
     static struct cluster c;
@@ -515,7 +515,6 @@ START_TEST(strict_units_give_the_picture_and_rays_of_one)
         ck_assert_uint_ge(c.counts.rays, c.counts.primary_rays);
     close_cluster(&c);
 }
-END_TEST
 
 /* Rows that go elsewhere; NULL: none, for a long time. */
 static const struct pool_rows *
@@ -535,7 +534,7 @@ first_done(struct pool *p)
 
 /* A pass that ends early leaves its rows in the queue, however full that is:
  * another thread may go on with the unit, and its rows come after. */
-START_TEST(rows_of_a_pass_that_ends_early_go_first)
+TEST(rows_of_a_pass_that_ends_early_go_first)
 {
     static struct cluster c;
     const struct pool_rows *r;
@@ -565,9 +564,8 @@ START_TEST(rows_of_a_pass_that_ends_early_go_first)
         uv_run(&f.loop, UV_RUN_ONCE);
     close_cluster(&c);
 }
-END_TEST
 
-START_TEST(shared_cache_fills_while_threads_read_it)
+TEST(shared_cache_fills_while_threads_read_it)
 {
     open_pool("-x 96 -y 96 -ab 1 -ad 32 -as 0 -ps 4", false, 4);
     for (int i = 0; i < PER_ROW * PER_ROW; i++) {
@@ -581,9 +579,8 @@ START_TEST(shared_cache_fills_while_threads_read_it)
         for (int x = 0; x < SIDE; x++)
             ck_assert(rad_rgb_sound(got.whole[y][x].L));
 }
-END_TEST
 
-START_TEST(revoked_units_are_not_done)
+TEST(revoked_units_are_not_done)
 {
     open_pool("-x 96 -y 96 -ab 0 -ps 1", false, 1);
     for (int i = 0; i < PER_ROW * PER_ROW; i++) {
@@ -599,9 +596,8 @@ START_TEST(revoked_units_are_not_done)
     ck_assert_int_eq(got.nrows[0], WINDOW);
     ck_assert_int_eq(got.nrows[PER_ROW * PER_ROW - 1], 0);
 }
-END_TEST
 
-START_TEST(pool_ends_in_the_middle)
+TEST(pool_ends_in_the_middle)
 {
     open_pool("-x 96 -y 96 -ab 0 -ps 1", false, 2);
     for (int i = 0; i < PER_ROW * PER_ROW; i++) {
@@ -611,9 +607,8 @@ START_TEST(pool_ends_in_the_middle)
     }
     uv_run(&f.loop, UV_RUN_ONCE);
 }
-END_TEST
 
-START_TEST(fingerprint_is_the_same_each_time)
+TEST(fingerprint_is_the_same_each_time)
 {
     uint64_t a = 0, b = 0;
     struct rad_error err = { 0 };
@@ -623,12 +618,11 @@ START_TEST(fingerprint_is_the_same_each_time)
     ck_assert_uint_eq(a, b);
     ck_assert_uint_ne(a, 0);
 }
-END_TEST
 
 static const char *const bad_texts[] = { "-zz 1", "-ab", "-ab x", "office",
                                          "-vp 0 0 0" };
 
-START_TEST(bad_options_of_a_job_are_refused)
+LOOP_TEST(bad_options_of_a_job_are_refused, N_ELEM(bad_texts))
 {
     struct rad_params p;
     struct rad_view v;
@@ -639,9 +633,8 @@ START_TEST(bad_options_of_a_job_are_refused)
     ck_assert_int_eq(jobtext_view("-ab 1", &v, NULL), RAD_EDATA);
     ck_assert_int_eq(jobtext_view("-vd 0 0 0", &v, NULL), RAD_EDATA);
 }
-END_TEST
 
-START_TEST(pixel_aspect_follows_the_view_where_it_is_free)
+TEST(pixel_aspect_follows_the_view_where_it_is_free)
 {
     double pa;
 
@@ -652,7 +645,6 @@ START_TEST(pixel_aspect_follows_the_view_where_it_is_free)
         jobtext_pixaspect("-pa 0", "-vtl -vh 2 -vv 1", 400, 100, &pa, NULL), 0);
     ck_assert_double_eq_tol(pa, 2, 1e-12);
 }
-END_TEST
 
 /* Do what there is to be done about tiles, as a thread would, but make none;
  * how many there were. */
@@ -715,7 +707,7 @@ free_tiling_pool(struct pool *p)
 }
 
 /* A tile that was given again stands behind those of the pass that follows. */
-START_TEST(no_tile_of_a_closed_pass_is_made)
+TEST(no_tile_of_a_closed_pass_is_made)
 {
     struct rad_pass plan[8];
     struct pool *p = tiling_pool(plan);
@@ -729,10 +721,9 @@ START_TEST(no_tile_of_a_closed_pass_is_made)
     ck_assert_int_eq(work_off_tiles(p), 3);
     free_tiling_pool(p);
 }
-END_TEST
 
 /* The twin of a tile that is late comes behind one that waits for records. */
-START_TEST(a_tile_that_lacks_records_holds_up_no_other)
+TEST(a_tile_that_lacks_records_holds_up_no_other)
 {
     struct rad_pass plan[8];
     struct pool *p = tiling_pool(plan);
@@ -748,29 +739,4 @@ START_TEST(a_tile_that_lacks_records_holds_up_no_other)
     ck_assert(pool_freeze(p, NULL, 0, NULL));
     ck_assert_int_eq(work_off_tiles(p), 2);
     free_tiling_pool(p);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("pool");
-
-    tcase_add_checked_fixture(tc, NULL, pool_close);
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, threads_give_the_pixels_of_one, 0, N_ELEM(pools));
-    tcase_add_test(tc, rays_are_told_while_a_window_is_under_way);
-    tcase_add_loop_test(tc, strict_units_give_the_picture_and_rays_of_one, 0,
-                        N_ELEM(clusters));
-    tcase_add_test(tc, rows_of_a_pass_that_ends_early_go_first);
-    tcase_add_test(tc, shared_cache_fills_while_threads_read_it);
-    tcase_add_test(tc, revoked_units_are_not_done);
-    tcase_add_test(tc, pool_ends_in_the_middle);
-    tcase_add_test(tc, no_tile_of_a_closed_pass_is_made);
-    tcase_add_test(tc, a_tile_that_lacks_records_holds_up_no_other);
-    tcase_add_test(tc, fingerprint_is_the_same_each_time);
-    tcase_add_loop_test(tc, bad_options_of_a_job_are_refused, 0,
-                        N_ELEM(bad_texts));
-    tcase_add_test(tc, pixel_aspect_follows_the_view_where_it_is_free);
-    return unit_run_case(tc);
 }

@@ -7,7 +7,7 @@
 #include "child/sandbox.h"
 
 #include "ground/sanitized.h"
-#include "tests/unit.h"
+#include "tests/scratch.h"
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -27,8 +27,36 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static char dir[] = "/tmp/check_sandbox.XXXXXX"; /* the scenes' folder */
-static char inside[64], outside[64], fresh[64];
+/* Files in the scenes' folder, which is the test's, and beside it. */
+static char inside[80], outside[80], fresh[80];
+
+static void
+write_file(const char *path)
+{
+    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+
+    ck_assert(fd >= 0 && write(fd, "x", 1) == 1 && close(fd) == 0);
+}
+
+static void
+make_files(void)
+{
+    scratch_make();
+    snprintf(inside, sizeof inside, "%s/inside", dir);
+    snprintf(fresh, sizeof fresh, "%s/fresh", dir);
+    snprintf(outside, sizeof outside, "%s.outside", dir);
+    write_file(inside);
+    write_file(outside);
+}
+
+static void
+remove_files(void)
+{
+    unlink(outside);
+    scratch_remove();
+}
+
+FIXTURE(make_files, remove_files)
 
 /* --- things to try: true where it worked --- */
 
@@ -383,20 +411,18 @@ check_tried(int i, bool sealed)
                   name, WEXITSTATUS(status) ? "was refused" : "was done");
 }
 
-START_TEST(while_loading_only_its_folder_is_open)
+LOOP_TEST(while_loading_only_its_folder_is_open, N_ELEM(table))
 {
     check_tried(_i, false);
 }
-END_TEST
 
-START_TEST(once_loaded_nothing_is)
+LOOP_TEST(once_loaded_nothing_is, N_ELEM(table))
 {
     check_tried(_i, true);
 }
-END_TEST
 
 /* How it crashed must still be told. */
-START_TEST(an_abort_is_an_abort)
+TEST(an_abort_is_an_abort)
 {
     int status;
     pid_t pid = fork();
@@ -411,56 +437,16 @@ START_TEST(an_abort_is_an_abort)
     ck_assert_int_eq(WTERMSIG(status), SIGABRT);
     ck_assert(!WCOREDUMP(status));
 }
-END_TEST
-
-static void
-write_file(const char *path)
-{
-    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-
-    if (fd < 0 || write(fd, "x", 1) != 1 || close(fd) < 0)
-        exit(EXIT_FAILURE);
-}
-
-static void
-make_files(void)
-{
-    if (!mkdtemp(dir))
-        exit(EXIT_FAILURE);
-    snprintf(inside, sizeof inside, "%s/inside", dir);
-    snprintf(fresh, sizeof fresh, "%s/fresh", dir);
-    snprintf(outside, sizeof outside, "%s.outside", dir);
-    write_file(inside);
-    write_file(outside);
-}
-
-static void
-remove_files(void)
-{
-    unlink(inside);
-    unlink(fresh);
-    unlink(outside);
-    rmdir(dir);
-}
 
 int
 main(void)
 {
-    TCase *tc = tcase_create("denied");
     bool refuse;
-    int status;
 
     sandbox_lacks(&refuse);
     if (refuse) {
         puts("SKIP: no seccomp here");
         return 77;
     }
-    make_files();
-    tcase_add_loop_test(tc, while_loading_only_its_folder_is_open, 0,
-                        N_ELEM(table));
-    tcase_add_loop_test(tc, once_loaded_nothing_is, 0, N_ELEM(table));
-    tcase_add_test(tc, an_abort_is_an_abort);
-    status = unit_run_case(tc);
-    remove_files();
-    return status;
+    return unit_run();
 }

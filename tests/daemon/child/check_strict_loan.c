@@ -22,8 +22,10 @@ some_loan(void)
                               .bottom = zeros };
 }
 
+FIXTURE(set_up, tear_down)
+
 /* Whoever made it is wrong, not the job; its columns go back. */
-START_TEST(a_loan_that_fits_no_line_is_not_taken)
+TEST(a_loan_that_fits_no_line_is_not_taken)
 {
     struct msg_loan loan = some_loan();
     struct rad_error err = { 0 };
@@ -41,11 +43,10 @@ START_TEST(a_loan_that_fits_no_line_is_not_taken)
     ck_assert_int_eq(strict_loan(s, &loan, &err), 0);
     expect_pass(STRICT_LOAN, false);
 }
-END_TEST
 
 /* Of a loan that cost 7 ns, and then of a unit whose second half was given
  * away: what was spent on it before stays with the lines. */
-START_TEST(what_lines_cost_is_told)
+TEST(what_lines_cost_is_told)
 {
     const struct msg_loan loan = some_loan();
     struct strict_pass *p;
@@ -82,10 +83,9 @@ START_TEST(what_lines_cost_is_told)
     for (unsigned i = 0; i < 4; i++)
         ck_assert_uint_eq(m->line_costs.cpu_ns[i], i + 1);
 }
-END_TEST
 
 /* A pixel of a loan that its lender needed as well, and told of just then. */
-START_TEST(what_a_loan_traced_for_nothing_is_told)
+TEST(what_a_loan_traced_for_nothing_is_told)
 {
     struct msg_loan loan = some_loan();
     struct rad_facts *facts;
@@ -108,10 +108,9 @@ START_TEST(what_a_loan_traced_for_nothing_is_told)
     ck_assert_uint_eq(m->paid.counts.rays, 2);
     ck_assert_uint_eq(m->paid.counts.speculative_rays, 1);
 }
-END_TEST
 
 /* Having lent it would go over all of its lines again, through their facts. */
-START_TEST(what_keeps_no_facts_does_not_lend)
+TEST(what_keeps_no_facts_does_not_lend)
 {
     const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
     struct rad_quincunx picture = sampler(4, 64, 61);
@@ -135,7 +134,6 @@ START_TEST(what_keeps_no_facts_does_not_lend)
         end_pass(p, false);
     }
 }
-END_TEST
 
 /* Six columns of line 6, of which nothing is known. */
 static uint8_t none_wanted[8];
@@ -148,7 +146,7 @@ static const struct team_loan six_columns = { .line = 6,
 
 /* Having lent columns of its last line, a unit has handed on all rows above;
  * without that line it would have none left to be its last. */
-START_TEST(a_line_is_left_when_others_are_out)
+TEST(a_line_is_left_when_others_are_out)
 {
     const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
     struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
@@ -178,10 +176,9 @@ START_TEST(a_line_is_left_when_others_are_out)
     ck_assert_int_eq(strict_least(p), 7);
     end_pass(p, false);
 }
-END_TEST
 
 /* What was lent comes back while the unit says that it waits for it. */
-START_TEST(a_parked_unit_that_has_its_columns_back_says_so)
+TEST(a_parked_unit_that_has_its_columns_back_says_so)
 {
     const struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
     struct strict_pass *p;
@@ -198,20 +195,4 @@ START_TEST(a_parked_unit_that_has_its_columns_back_says_so)
     ck_assert(is_said(MSG_RESUMED));
     expect_pass(STRICT_TRUTH, true);
     ck_assert(!is_said(MSG_RESUMED));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("strict_loan");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_loan_that_fits_no_line_is_not_taken);
-    tcase_add_test(tc, what_lines_cost_is_told);
-    tcase_add_test(tc, what_a_loan_traced_for_nothing_is_told);
-    tcase_add_test(tc, what_keeps_no_facts_does_not_lend);
-    tcase_add_test(tc, a_line_is_left_when_others_are_out);
-    tcase_add_test(tc, a_parked_unit_that_has_its_columns_back_says_so);
-    return unit_run_case(tc);
 }

@@ -4,9 +4,11 @@
 
 #include "strict_fixture.h"
 
+FIXTURE(set_up, tear_down)
+
 /* Of a unit whose top came late: AHEAD left its first bar out, for lack of
  * colours above, and nobody below should wait for that. */
-START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
+TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
 {
     give_unit(0, 4, 8);
     expect_pass(STRICT_LINES, false);
@@ -16,11 +18,10 @@ START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
     expect_pass(STRICT_TRUE_LINES, false);
     expect_pass(STRICT_TRUTH, true);
 }
-END_TEST
 
 /* A unit that has time: its bars come along, are no longer given away once they
  * are made, and what is known of its densities is held against the truth. */
-START_TEST(bars_that_come_along_stay)
+TEST(bars_that_come_along_stay)
 {
     struct strict_pass *p;
 
@@ -41,12 +42,11 @@ START_TEST(bars_that_come_along_stay)
     ck_assert(p->rank == STRICT_TRUE_LINES && p->filled == 4 && p->earlier);
     end_pass(p, false);
 }
-END_TEST
 
 /* The top of a unit that has time comes while its last line is made: the pass
  * that leaves out lines that come out as they were has not the colours that a
  * bar below them is filled from. */
-START_TEST(what_leaves_lines_out_fills_no_bars)
+TEST(what_leaves_lines_out_fills_no_bars)
 {
     struct strict_pass *p;
 
@@ -63,7 +63,6 @@ START_TEST(what_leaves_lines_out_fills_no_bars)
     ck_assert_int_eq(p->filled, p->first);
     end_pass(p, false);
 }
-END_TEST
 
 /* Line number of the next base line that is told of; -1: there is none. */
 static int
@@ -106,7 +105,7 @@ static const struct {
 
 /* Of two units that were traced ahead, the lower one from the upper one's
  * bottom: if that was right, so is its own, and nobody need wait for a pass. */
-START_TEST(a_guess_from_true_densities_is_true)
+LOOP_TEST(a_guess_from_true_densities_is_true, N_ELEM(guesses))
 {
     uint8_t density[64] = { guesses[_i].density };
     struct strict_pass *p;
@@ -132,7 +131,6 @@ START_TEST(a_guess_from_true_densities_is_true)
     expect_pass(STRICT_TRUTH, true);
     expect_pass(STRICT_TRUTH, true);
 }
-END_TEST
 
 /* The next guess that goes to the unit below is at the densities after that
  * line, and follows from so many lines; known is -1 if none goes. */
@@ -180,7 +178,7 @@ give_facts(uint32_t line)
 /* Each worker guesses at what is above its unit.  What it makes of that goes to
  * the unit below, and what comes from above makes it look again, once for each
  * step from a guess to the truth. */
-START_TEST(a_better_guess_from_above_makes_the_lines_again)
+TEST(a_better_guess_from_above_makes_the_lines_again)
 {
     struct strict_pass *p;
 
@@ -211,11 +209,10 @@ START_TEST(a_better_guess_from_above_makes_the_lines_again)
     ck_assert_int_eq(next_base_line(), 5);
     expect_pass(STRICT_TRUTH, true);
 }
-END_TEST
 
 /* A unit that has waited for long is worked on, as facts of the line above
  * come, and waits again: what it has traced since then goes up, too. */
-START_TEST(facts_of_a_unit_that_waits_again_are_sent)
+TEST(facts_of_a_unit_that_waits_again_are_sent)
 {
     const struct msg *m;
     struct strict_pass *p;
@@ -237,7 +234,6 @@ START_TEST(facts_of_a_unit_that_waits_again_are_sent)
         ;
     ck_assert(m && m->facts.line == 4);
 }
-END_TEST
 
 static const struct {
     int finished, known; /* lines before that one are done; -1: no guess */
@@ -246,7 +242,7 @@ static const struct {
 /* A unit that is split in its first pass tells the worker of the other half of
  * densities, if it made its new last line from these: else both workers would
  * trace that line. */
-START_TEST(a_guess_goes_with_lines_that_are_given_away)
+LOOP_TEST(a_guess_goes_with_lines_that_are_given_away, N_ELEM(splits))
 {
     struct strict_pass *p;
 
@@ -259,11 +255,10 @@ START_TEST(a_guess_goes_with_lines_that_are_given_away)
     end_pass(p, false);
     expect_guess(4, splits[_i].known);
 }
-END_TEST
 
 /* Without densities the first guess is right: it is not passed on, and colours
  * that come make no lines again. */
-START_TEST(without_densities_no_guess_is_better)
+TEST(without_densities_no_guess_is_better)
 {
     start(sampler(1, 64, 60), false);
     ck_assert_uint_eq(rad_quincunx_ndensity(&q), 0);
@@ -274,7 +269,6 @@ START_TEST(without_densities_no_guess_is_better)
     ck_assert(!strict_has_work(s));
     expect_guess(0, -1);
 }
-END_TEST
 
 /* Columns [x, x + n) of line 2, with its densities. */
 static void
@@ -296,7 +290,7 @@ give_piece(uint32_t x, uint32_t n)
 
 /* The guess goes with the unit that it served, but not what came meanwhile of
  * the line: it may be the top of a unit that is on its way to this child. */
-START_TEST(a_top_that_is_coming_outlives_a_guess_at_it)
+TEST(a_top_that_is_coming_outlives_a_guess_at_it)
 {
     give_guess(2, 1);
     give_unit(0, 4, 6);
@@ -308,11 +302,10 @@ START_TEST(a_top_that_is_coming_outlives_a_guess_at_it)
     give_unit(1, 3, 4);
     expect_pass(STRICT_TRUTH, true);
 }
-END_TEST
 
 /* A unit of one line made from the guess of a unit above it here passes that
  * on; and no guess is for a line that has none below, or of another picture. */
-START_TEST(a_guess_goes_down_through_units_of_one_line)
+TEST(a_guess_goes_down_through_units_of_one_line)
 {
     const struct msg_guess wrong[] = {
         { job_id, 1, 2, 1, (uint32_t)rad_quincunx_ndensity(&q), zeros },
@@ -330,11 +323,10 @@ START_TEST(a_guess_goes_down_through_units_of_one_line)
     make_pass(STRICT_LINES, 7, 3);
     expect_guess(6, 3);
 }
-END_TEST
 
 /* A line goes out as fast as it is read: what is made meanwhile is one piece.
  */
-START_TEST(pieces_that_nobody_took_yet_are_one)
+TEST(pieces_that_nobody_took_yet_are_one)
 {
     static const int made[] = { 12, 24, 48, 64 }; /* taken after the second */
     struct rad_pixel bottom[64] = { 0 };
@@ -375,10 +367,9 @@ START_TEST(pieces_that_nobody_took_yet_are_one)
     }
     strict_ended(s, p, false, bottom, density, &spent, &total);
 }
-END_TEST
 
 /* What is made of it counts once, however often it was left. */
-START_TEST(rows_that_went_on_count_their_rays_once)
+TEST(rows_that_went_on_count_their_rays_once)
 {
     struct strict_pass *p;
 
@@ -394,10 +385,9 @@ START_TEST(rows_that_went_on_count_their_rays_once)
     ck_assert_uint_eq(total.primary_rays, 5);
     ck_assert_uint_eq(total.rays, 10);
 }
-END_TEST
 
 /* Lines 4 to 7 of 64 columns, of three rows each. */
-START_TEST(what_passes_are_past_counts_until_its_rows_are_out)
+TEST(what_passes_are_past_counts_until_its_rows_are_out)
 {
     enum { LINE = 64, UNIT = 4 * 3 * LINE };
 
@@ -434,10 +424,9 @@ START_TEST(what_passes_are_past_counts_until_its_rows_are_out)
     end_black(p, true);
     ck_assert_uint_eq(strict_pixels(s), 0);
 }
-END_TEST
 
 /* Of the base line above it that one makes ahead, the bar is another's. */
-START_TEST(a_top_that_is_made_here_has_no_colours_above)
+TEST(a_top_that_is_made_here_has_no_colours_above)
 {
     struct strict_pass *p;
     struct msg_unit u = { .job = job_id,
@@ -455,30 +444,4 @@ START_TEST(a_top_that_is_made_here_has_no_colours_above)
     ck_assert_ptr_nonnull(p->top_density);
     ck_assert_ptr_null(p->top);
     end_pass(p, false);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("strict_pass");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
-    tcase_add_test(tc, bars_that_come_along_stay);
-    tcase_add_test(tc, what_leaves_lines_out_fills_no_bars);
-    tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
-                        N_ELEM(guesses));
-    tcase_add_test(tc, a_better_guess_from_above_makes_the_lines_again);
-    tcase_add_test(tc, facts_of_a_unit_that_waits_again_are_sent);
-    tcase_add_loop_test(tc, a_guess_goes_with_lines_that_are_given_away, 0,
-                        N_ELEM(splits));
-    tcase_add_test(tc, without_densities_no_guess_is_better);
-    tcase_add_test(tc, a_top_that_is_coming_outlives_a_guess_at_it);
-    tcase_add_test(tc, a_guess_goes_down_through_units_of_one_line);
-    tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
-    tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
-    tcase_add_test(tc, what_passes_are_past_counts_until_its_rows_are_out);
-    tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
-    return unit_run_case(tc);
 }

@@ -4,8 +4,10 @@
 
 #include "strict_fixture.h"
 
+FIXTURE(set_up, tear_down)
+
 /* A unit that nobody works on gets its top while another is traced ahead. */
-START_TEST(what_is_ahead_makes_way_for_the_truth)
+TEST(what_is_ahead_makes_way_for_the_truth)
 {
     struct strict_pass *p;
 
@@ -23,10 +25,9 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
     expect_pass(STRICT_TRUTH, true);
     expect_pass(STRICT_LINES, false); /* once more */
 }
-END_TEST
 
 /* Of two units whose top is there the one whose bottom is out has time. */
-START_TEST(who_owes_a_bottom_comes_first)
+TEST(who_owes_a_bottom_comes_first)
 {
     struct strict_pass *p;
 
@@ -37,16 +38,4 @@ START_TEST(who_owes_a_bottom_comes_first)
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p->rank == STRICT_TRUTH && p->unit == 1);
     end_pass(p, false);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("strict_rank");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
-    tcase_add_test(tc, who_owes_a_bottom_comes_first);
-    return unit_run_case(tc);
 }

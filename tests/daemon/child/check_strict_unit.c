@@ -5,9 +5,11 @@
 #include "strict/strict_state.h"
 #include "strict_fixture.h"
 
+FIXTURE(set_up, tear_down)
+
 /* If its child dies of a pixel, a unit that is made while it is parked has
  * to be known. */
-START_TEST(a_parked_unit_that_is_worked_on_says_so)
+TEST(a_parked_unit_that_is_worked_on_says_so)
 {
     struct strict_pass *p;
 
@@ -31,11 +33,10 @@ START_TEST(a_parked_unit_that_is_worked_on_says_so)
     end_black(p, true);
     ck_assert(is_said(MSG_PARKED));
 }
-END_TEST
 
 /* Nobody looks again without a reason; for one that waits there is none but
  * that it may wait for long, for a pass what others want of it. */
-START_TEST(it_says_when_to_look_again)
+TEST(it_says_when_to_look_again)
 {
     const struct msg_lend lend = { job_id, 0, 1, 32767 };
     struct strict_pass *p;
@@ -69,10 +70,9 @@ START_TEST(it_says_when_to_look_again)
     end_black(p, true);
     ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
 }
-END_TEST
 
 /* Its top comes again before it does, while a pass of it is ending. */
-START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
+TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
 {
     struct strict_pass *p;
 
@@ -85,7 +85,6 @@ START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
     expect_pass(STRICT_TRUE_LINES, false);
     expect_pass(STRICT_TRUTH, true);
 }
-END_TEST
 
 static void
 expect_gave(uint32_t unit)
@@ -100,7 +99,7 @@ expect_gave(uint32_t unit)
 }
 
 /* The pass of the first unit ends before; the second has no pass. */
-START_TEST(units_are_given_back_whole)
+TEST(units_are_given_back_whole)
 {
     struct strict_pass *p;
     uint32_t first;
@@ -118,11 +117,10 @@ START_TEST(units_are_given_back_whole)
     expect_gave(1 - first);
     ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
 }
-END_TEST
 
 /* A child may have thousands of units that wait, in the end. To look at all of
  * them at each message must not take the square of that. */
-START_TEST(thousands_of_units_may_wait)
+TEST(thousands_of_units_may_wait)
 {
     enum { N = 3000, WIDE = 3 };
     struct msg_base_line top = {
@@ -153,10 +151,9 @@ START_TEST(thousands_of_units_may_wait)
     ck_assert_int_eq(strict_error(s), 0);
     end_pass(p, false);
 }
-END_TEST
 
 /* The drawings at the head of strict_unit.h, as "from to" pairs. */
-START_TEST(unit_states_follow_the_drawings)
+TEST(unit_states_follow_the_drawings)
 {
     static const enum strict_progress progress[][2] = {
         { PROGRESS_NONE, PROGRESS_LINES },
@@ -187,10 +184,9 @@ START_TEST(unit_states_follow_the_drawings)
             n += steps_permit(&strict_fate_steps, i, k);
     ck_assert_int_eq(n, N_ELEM(fate));
 }
-END_TEST
 
 /* Below the last base line there is no unit. */
-START_TEST(base_lines_that_no_unit_is_below_are_dropped)
+TEST(base_lines_that_no_unit_is_below_are_dropped)
 {
     uint32_t n = (uint32_t)frame_of(s, 0)->nlines;
 
@@ -200,21 +196,4 @@ START_TEST(base_lines_that_no_unit_is_below_are_dropped)
     ck_assert_ptr_null(s->edges);
     give_line(0, n - 2);
     ck_assert_ptr_nonnull(s->edges);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("strict_unit");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
-    tcase_add_test(tc, it_says_when_to_look_again);
-    tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
-    tcase_add_test(tc, units_are_given_back_whole);
-    tcase_add_test(tc, base_lines_that_no_unit_is_below_are_dropped);
-    tcase_add_test(tc, thousands_of_units_may_wait);
-    tcase_add_test(tc, unit_states_follow_the_drawings);
-    return unit_run_case(tc);
 }

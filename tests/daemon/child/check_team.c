@@ -145,7 +145,7 @@ get_true(struct world *w, uint64_t *state, int first, int last)
     return last;
 }
 
-START_TEST(any_guess_ends_in_the_same_picture)
+LOOP_TEST(any_guess_ends_in_the_same_picture, SEEDS)
 {
     uint64_t state = (uint64_t)_i;
 
@@ -169,7 +169,6 @@ START_TEST(any_guess_ends_in_the_same_picture)
         world_free(w);
     }
 }
-END_TEST
 
 static int
 unit_end(const struct world *w, int first, int n)
@@ -224,7 +223,7 @@ static const struct {
     { 1, true, 0 }, { 2, false, 0 }, { 4, false, 0 }, { 16, false, .25 }
 };
 
-START_TEST(little_is_traced_for_nothing)
+LOOP_TEST(little_is_traced_for_nothing, 3 * ANALYTIC_KINDS)
 {
     enum analytic_kind kind = (enum analytic_kind)(_i / 3);
     int ps = 4 << _i % 3;
@@ -239,10 +238,9 @@ START_TEST(little_is_traced_for_nothing)
     printf("\n");
     fflush(stdout);
 }
-END_TEST
 
 /* Bars that come along with the lines are facts after LINES. */
-START_TEST(lines_are_filled_as_far_as_asked_for)
+TEST(lines_are_filled_as_far_as_asked_for)
 {
     struct analytic a = { (enum analytic_kind)0, 1 };
     struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
@@ -271,7 +269,6 @@ START_TEST(lines_are_filled_as_far_as_asked_for)
     assert_same(w);
     world_free(w);
 }
-END_TEST
 
 /* Another worker's value of a pixel, with indirect light a different one,
  * was there first. */
@@ -294,7 +291,7 @@ trace_late(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
 }
 
 /* What is known of a line follows from the facts that the truth will find. */
-START_TEST(a_guess_goes_by_the_facts_that_stay)
+TEST(a_guess_goes_by_the_facts_that_stay)
 {
     struct analytic a = { (enum analytic_kind)3, 1 };
     struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
@@ -322,7 +319,6 @@ START_TEST(a_guess_goes_by_the_facts_that_stay)
     free(again);
     world_free(w);
 }
-END_TEST
 
 /* May a member join a team for that pass? */
 static bool
@@ -340,7 +336,7 @@ is_open(struct world *w, const struct pass *p)
 
 /* A true pass over facts that comes to what an earlier one found leaves out the
  * lines between: else it would trace the one whose facts are gone. */
-START_TEST(lines_that_come_out_as_before_are_left_out)
+TEST(lines_that_come_out_as_before_are_left_out)
 {
     struct analytic a = { (enum analytic_kind)0, 1 };
     struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
@@ -375,20 +371,4 @@ START_TEST(lines_that_come_out_as_before_are_left_out)
     rad_facts_free(none);
     free(record);
     world_free(w);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("team");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, any_guess_ends_in_the_same_picture, 0, SEEDS);
-    tcase_add_loop_test(tc, little_is_traced_for_nothing, 0,
-                        3 * ANALYTIC_KINDS);
-    tcase_add_test(tc, lines_are_filled_as_far_as_asked_for);
-    tcase_add_test(tc, a_guess_goes_by_the_facts_that_stay);
-    tcase_add_test(tc, lines_that_come_out_as_before_are_left_out);
-    return unit_run_case(tc);
 }

@@ -171,7 +171,7 @@ lend_lines(struct world *w, uint64_t *state, int first, unsigned *nloans)
     team_free(t);
 }
 
-START_TEST(columns_that_are_lent_are_traced_once)
+LOOP_TEST(columns_that_are_lent_are_traced_once, SEEDS)
 {
     uint64_t state = (uint64_t)_i + 77;
     unsigned nloans = 0;
@@ -193,15 +193,4 @@ START_TEST(columns_that_are_lent_are_traced_once)
         world_free(w);
     }
     ck_assert(nloans > 0 || _i > 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("team_lend");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, columns_that_are_lent_are_traced_once, 0, SEEDS);
-    return unit_run_case(tc);
 }

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 /* Each line's members' processor time is its own, and adds up. */
-START_TEST(what_lines_take_is_counted)
+TEST(what_lines_take_is_counted)
 {
     struct analytic a = { ANALYTIC_NOISE, 1 };
     struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
@@ -33,7 +33,6 @@ START_TEST(what_lines_take_is_counted)
                                       t1.tv_nsec - t0.tv_nsec));
     world_free(w);
 }
-END_TEST
 
 static const struct {
     enum team_mode mode;
@@ -44,7 +43,7 @@ static const struct {
     { TEAM_TRUTH, true, true },
 };
 
-START_TEST(a_team_tells_what_it_has_gone_over)
+LOOP_TEST(a_team_tells_what_it_has_gone_over, N_ELEM(makes))
 {
     struct analytic a = { (enum analytic_kind)3, 1 };
     struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
@@ -63,7 +62,6 @@ START_TEST(a_team_tells_what_it_has_gone_over)
     team_free(t);
     world_free(w);
 }
-END_TEST
 
 /* One who reads a bottom in pieces, as they become final. */
 struct reader {
@@ -115,7 +113,7 @@ ignore_row(void *arg, int row, const struct rad_pixel *pixels)
     (void)pixels;
 }
 
-START_TEST(bottoms_come_in_pieces_while_they_are_made)
+LOOP_TEST(bottoms_come_in_pieces_while_they_are_made, 2)
 {
     struct analytic a = { ANALYTIC_INTERIOR, 3 };
     struct world *w = world_new(&a, 4, MOST_W, 40, .05, false);
@@ -147,7 +145,6 @@ START_TEST(bottoms_come_in_pieces_while_they_are_made)
     team_free(r.team);
     world_free(w);
 }
-END_TEST
 
 /* Workers at the same unit.  They take turns, a pixel each, so that the time
  * that passes is the number of turns, and send each other what they have every
@@ -323,7 +320,7 @@ static const struct {
     int n, lines;
 } crews[] = { { 1, 2 }, { 2, 1 }, { 2, 4 }, { 3, 1 }, { 4, 1 }, { 4, 4 } };
 
-START_TEST(twins_share_the_work)
+LOOP_TEST(twins_share_the_work, N_ELEM(crews))
 {
     int n = crews[_i].n, lines = crews[_i].lines;
     uint64_t alone = 0, turns = 0, traced = 0;
@@ -345,7 +342,6 @@ START_TEST(twins_share_the_work)
     ck_assert_uint_le(turns * (uint64_t)n * 3, alone * 4);
     ck_assert_uint_le(traced * 3, alone * 4);
 }
-END_TEST
 
 /* The picture's first line stands still until the second is traced from its end
  * to its beginning: the thread at that may not wait. */
@@ -380,7 +376,7 @@ halted_rows(void *arg, int row, const struct rad_pixel *pixels)
 }
 
 /* With facts and without. */
-START_TEST(who_waits_traces_what_is_wanted_anyway)
+LOOP_TEST(who_waits_traces_what_is_wanted_anyway, 2)
 {
     for (int kind = 0; kind < ANALYTIC_KINDS; kind++) {
         struct analytic a = { (enum analytic_kind)kind, 3 };
@@ -409,20 +405,4 @@ START_TEST(who_waits_traces_what_is_wanted_anyway)
         team_free(t);
         world_free(w);
     }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("team_member");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_test(tc, what_lines_take_is_counted);
-    tcase_add_loop_test(tc, a_team_tells_what_it_has_gone_over, 0,
-                        N_ELEM(makes));
-    tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
-    tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
-    tcase_add_loop_test(tc, who_waits_traces_what_is_wanted_anyway, 0, 2);
-    return unit_run_case(tc);
 }

@@ -4,7 +4,9 @@
 
 #include "coord_fixture.h"
 
-START_TEST(a_new_connection_of_a_name_replaces_the_old)
+FIXTURE(set_up, tear_down)
+
+TEST(a_new_connection_of_a_name_replaces_the_old)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -19,7 +21,6 @@ START_TEST(a_new_connection_of_a_name_replaces_the_old)
         result(SECOND, job_a, u, u == 1 ? 2 : 1);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
 }
-END_TEST
 
 static const struct {
     uint16_t min, max;
@@ -38,7 +39,7 @@ static const struct {
     { 1, 1, MSG_ROLE_WORKER, "ws8", 1, EX_NOPERM }, /* the key is ws7's */
 };
 
-START_TEST(a_hello_that_does_not_fit_is_refused)
+LOOP_TEST(a_hello_that_does_not_fit_is_refused, N_ELEM(hellos))
 {
     struct coord_peer peer = { "test", "x",
                                1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_USER,
@@ -55,9 +56,8 @@ START_TEST(a_hello_that_does_not_fit_is_refused)
     ck_assert_int_eq(f.last[7].refuse.status, hellos[_i].status);
     ck_assert(f.closed[7]);
 }
-END_TEST
 
-START_TEST(a_worker_that_calls_again_replaces_itself)
+TEST(a_worker_that_calls_again_replaces_itself)
 {
     join(7, MSG_ROLE_WORKER, "w", "x");
     ck_assert(!f.closed[7]);
@@ -68,7 +68,6 @@ START_TEST(a_worker_that_calls_again_replaces_itself)
     ck_assert(f.closed[7]);
     ck_assert_int_eq(f.last[6].type, MSG_WELCOME);
 }
-END_TEST
 
 static void
 call(uint64_t conn, unsigned roles, const char *owner, bool hello)
@@ -85,7 +84,7 @@ call(uint64_t conn, unsigned roles, const char *owner, bool hello)
 }
 
 /* A user, by a socket or a key, has 256; who steers or renders has any. */
-START_TEST(one_user_has_not_all_connections)
+TEST(one_user_has_not_all_connections)
 {
     const unsigned user = 1u << MSG_ROLE_USER, first = 10;
 
@@ -106,10 +105,9 @@ START_TEST(one_user_has_not_all_connections)
     call(first + 259, user, "eve", true);
     ck_assert_int_eq(f.last[first + 259].type, MSG_WELCOME);
 }
-END_TEST
 
 /* Nor do those that say nothing keep the next one out. */
-START_TEST(a_silent_connection_goes_when_a_user_has_too_many)
+TEST(a_silent_connection_goes_when_a_user_has_too_many)
 {
     const unsigned user = 1u << MSG_ROLE_USER, first = 10;
 
@@ -121,10 +119,9 @@ START_TEST(a_silent_connection_goes_when_a_user_has_too_many)
     ck_assert(!f.closed[first] && !f.closed[first + 2]);
     ck_assert_int_eq(f.last[first + 256].type, MSG_WELCOME);
 }
-END_TEST
 
 /* One that calls for ever does not fill the log; of workers each is said. */
-START_TEST(refused_connections_are_logged_some_at_a_time)
+TEST(refused_connections_are_logged_some_at_a_time)
 {
     const unsigned user = 1u << MSG_ROLE_USER, first = 10;
     unsigned i;
@@ -141,14 +138,13 @@ START_TEST(refused_connections_are_logged_some_at_a_time)
     ck_assert_int_eq(f.break_logs, 12);
     ck_assert_int_eq(f.unlogged, 20);
 }
-END_TEST
 
 static const struct {
     uint16_t min, max, spoken; /* 0: it is refused */
 } versions[] = { { 1, 1, 1 }, { 1, 9, 1 }, { 2, 9, 0 } };
 
 /* The highest that both know: told in the WELCOME, and to the shell. */
-START_TEST(newer_peers_are_welcome_if_they_speak_ours)
+LOOP_TEST(newer_peers_are_welcome_if_they_speak_ours, N_ELEM(versions))
 {
     struct coord_peer peer = { "test", "x", 14, NULL };
     struct msg m = { .type = MSG_HELLO,
@@ -166,10 +162,9 @@ START_TEST(newer_peers_are_welcome_if_they_speak_ours)
     ck_assert_uint_eq(f.last[7].welcome.version, versions[_i].spoken);
     ck_assert_uint_eq(f.version[7], versions[_i].spoken);
 }
-END_TEST
 
 /* Two workers speak with each other what both know. */
-START_TEST(peers_are_told_the_version_of_the_pair)
+TEST(peers_are_told_the_version_of_the_pair)
 {
     static const uint16_t max[] = { 9, 1, 9 };
     static const char *const name[] = { "w1", "w2", "w3" };
@@ -192,7 +187,6 @@ START_TEST(peers_are_told_the_version_of_the_pair)
     for (unsigned i = 0; i < 3; i++)
         ck_assert_uint_eq(told[i], MSG_VERSION);
 }
-END_TEST
 
 #define BIT(role) (1u << MSG_ROLE_##role)
 
@@ -208,7 +202,7 @@ static const struct {
     { 0, false, false, false },
 };
 
-START_TEST(a_credential_is_good_for_its_roles_alone)
+LOOP_TEST(a_credential_is_good_for_its_roles_alone, N_ELEM(credentials))
 {
     const bool *may = &credentials[_i].worker;
 
@@ -226,7 +220,6 @@ START_TEST(a_credential_is_good_for_its_roles_alone)
         ck_assert(f.closed[conn] == !may[role - MSG_ROLE_WORKER]);
     }
 }
-END_TEST
 
 /* In a JOB_PEERS: that the link with ws2 of job_a ends. */
 static bool
@@ -241,7 +234,7 @@ drops_second(uint64_t conn)
 
 /* Links outlive connections to the coordinator, so those of a worker that is
  * expelled end with whoever is there, and with others when they come back. */
-START_TEST(an_expelled_worker_loses_its_links_connected_or_not)
+TEST(an_expelled_worker_loses_its_links_connected_or_not)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -262,27 +255,4 @@ START_TEST(an_expelled_worker_loses_its_links_connected_or_not)
     join(8, MSG_ROLE_WORKER, "ws3", "daemon");
     ready(8, job_a);
     ck_assert_int_eq(f.peers[8], 0); /* nobody is expelled any more */
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_conns");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_new_connection_of_a_name_replaces_the_old);
-    tcase_add_loop_test(tc, a_credential_is_good_for_its_roles_alone, 0,
-                        N_ELEM(credentials));
-    tcase_add_loop_test(tc, a_hello_that_does_not_fit_is_refused, 0,
-                        N_ELEM(hellos));
-    tcase_add_test(tc, a_worker_that_calls_again_replaces_itself);
-    tcase_add_test(tc, one_user_has_not_all_connections);
-    tcase_add_test(tc, refused_connections_are_logged_some_at_a_time);
-    tcase_add_test(tc, a_silent_connection_goes_when_a_user_has_too_many);
-    tcase_add_loop_test(tc, newer_peers_are_welcome_if_they_speak_ours, 0,
-                        N_ELEM(versions));
-    tcase_add_test(tc, an_expelled_worker_loses_its_links_connected_or_not);
-    tcase_add_test(tc, peers_are_told_the_version_of_the_pair);
-    return unit_run_case(tc);
 }

@@ -3,7 +3,9 @@
 
 #include "coord_fixture.h"
 
-START_TEST(a_late_unit_goes_to_another_and_the_first_result_wins)
+FIXTURE(set_up, tear_down)
+
+TEST(a_late_unit_goes_to_another_and_the_first_result_wins)
 {
     two_are_left();
     wait_s(59);
@@ -15,9 +17,8 @@ START_TEST(a_late_unit_goes_to_another_and_the_first_result_wins)
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
 }
-END_TEST
 
-START_TEST(the_lease_is_a_setting)
+TEST(the_lease_is_a_setting)
 {
     coord_set_lease_floor(f.c, 2000);
     two_are_left();
@@ -26,7 +27,6 @@ START_TEST(the_lease_is_a_setting)
     wait_s(2);
     ck_assert_uint_eq(f.units[SECOND], 2);
 }
-END_TEST
 
 static void
 ping(uint64_t progress)
@@ -53,7 +53,7 @@ slow_job(void)
     f.units[SECOND] = 0;
 }
 
-START_TEST(a_worker_that_gets_on_has_time)
+TEST(a_worker_that_gets_on_has_time)
 {
     slow_job();
     for (int i = 0; i < 400; i++) {
@@ -63,9 +63,8 @@ START_TEST(a_worker_that_gets_on_has_time)
     ck_assert_uint_eq(f.units[SECOND], 0);
     ck_assert_int_eq(f.hang_logs, 0);
 }
-END_TEST
 
-START_TEST(a_worker_that_hangs_has_not)
+TEST(a_worker_that_hangs_has_not)
 {
     slow_job();
     for (int i = 0; i < 70; i++) {
@@ -75,9 +74,8 @@ START_TEST(a_worker_that_hangs_has_not)
     ck_assert_uint_eq(f.units[SECOND], 2);
     ck_assert_int_eq(f.hang_logs, 1);
 }
-END_TEST
 
-START_TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
+TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
 {
     uint32_t both[] = { 0, 1 }, one[] = { 1 };
     struct msg m = { .type = MSG_LOST,
@@ -99,10 +97,9 @@ START_TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
     ck_assert_int_eq(f.last[ANA].failed.status, EX_SOFTWARE);
     ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text, "brought the"));
 }
-END_TEST
 
 /* Its user is told whose fault it was. */
-START_TEST(a_scene_that_no_worker_can_load_fails_as_it_did_there)
+LOOP_TEST(a_scene_that_no_worker_can_load_fails_as_it_did_there, 3)
 {
     static const uint16_t status[] = { EX_SOFTWARE, EX_OSERR, EX_IOERR };
     struct msg m = { .type = MSG_LOST,
@@ -118,7 +115,6 @@ START_TEST(a_scene_that_no_worker_can_load_fails_as_it_did_there)
         f.last[ANA].failed.text,
         "no worker can load the scene; the last, ws1: came spoilt");
 }
-END_TEST
 
 /* The worker loses its child, and takes the job up again. */
 static void
@@ -130,7 +126,7 @@ set_back(uint64_t conn)
     say(conn, &m);
 }
 
-START_TEST(a_worker_that_cannot_keep_a_child_leaves_the_job_to_others)
+TEST(a_worker_that_cannot_keep_a_child_leaves_the_job_to_others)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -150,9 +146,8 @@ START_TEST(a_worker_that_cannot_keep_a_child_leaves_the_job_to_others)
             result(WORKER, job_a, u, attempt);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
 }
-END_TEST
 
-START_TEST(a_job_that_nobody_can_keep_a_child_for_fails)
+TEST(a_job_that_nobody_can_keep_a_child_for_fails)
 {
     submit(ANA, job_a, 0);
     for (int i = 1; i <= JOB_MAX_SETBACKS; i++) {
@@ -164,9 +159,8 @@ START_TEST(a_job_that_nobody_can_keep_a_child_for_fails)
     ck_assert_int_eq(f.last[ANA].failed.status, EX_UNAVAILABLE);
     ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text, "out of memory"));
 }
-END_TEST
 
-START_TEST(a_unit_done_makes_up_for_setbacks)
+TEST(a_unit_done_makes_up_for_setbacks)
 {
     submit(ANA, job_a, 0);
     for (uint32_t u = 0; u < 3; u++) {
@@ -179,25 +173,4 @@ START_TEST(a_unit_done_makes_up_for_setbacks)
             result(WORKER, job_a, u, attempt);
     }
     ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_faults");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_late_unit_goes_to_another_and_the_first_result_wins);
-    tcase_add_test(tc, the_lease_is_a_setting);
-    tcase_add_test(tc, a_worker_that_gets_on_has_time);
-    tcase_add_test(tc, a_worker_that_hangs_has_not);
-    tcase_add_loop_test(
-        tc, a_scene_that_no_worker_can_load_fails_as_it_did_there, 0, 3);
-    tcase_add_test(tc, two_crashes_alone_fail_the_job_and_name_the_unit);
-    tcase_add_test(tc,
-                   a_worker_that_cannot_keep_a_child_leaves_the_job_to_others);
-    tcase_add_test(tc, a_job_that_nobody_can_keep_a_child_for_fails);
-    tcase_add_test(tc, a_unit_done_makes_up_for_setbacks);
-    return unit_run_case(tc);
 }

@@ -19,9 +19,11 @@ two_are_ready(void)
     ready(SECOND, job_a);
 }
 
+FIXTURE(set_up, tear_down)
+
 /* What is made goes to a worker at once, and to others by way of that one; when
  * the pass is closed those that lack it get it. */
-START_TEST(records_travel_while_tiles_are_made)
+TEST(records_travel_while_tiles_are_made)
 {
     const struct msg_frozen *z = &f.last[SECOND].frozen;
     const struct job_worker *jw;
@@ -50,12 +52,11 @@ START_TEST(records_travel_while_tiles_are_made)
             &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, pass, 0 } });
     ck_assert_int_eq(f.last[SECOND].type, 0); /* sent, and not closed */
 }
-END_TEST
 
 /* Of five the coordinator feeds the first, that one two, and so on.  When the
  * first hangs the coordinator feeds the second, and a worker below the second
  * feeds the third and, in case it does not hang, the first. */
-START_TEST(workers_below_one_that_hangs_are_fed_by_others)
+TEST(workers_below_one_that_hangs_are_fed_by_others)
 {
     static const uint32_t before[] = { 0, 1, 1, 2, 2 },
                           after[] = { 4, 0, 4, 2, 2 };
@@ -83,7 +84,6 @@ START_TEST(workers_below_one_that_hangs_are_fed_by_others)
     for (uint32_t i = 0; i < N_ELEM(after); i++)
         ck_assert_uint_eq(jw[i].feeder, after[i]);
 }
-END_TEST
 
 /* Workers that can all be dialled, one and n more, become ready one after the
  * other. */
@@ -105,7 +105,7 @@ begin_with(uint64_t n)
 
 /* A worker that got another feeder lacks what passed its former one, in all
  * passes that were open then: its new one did not fail. */
-START_TEST(a_new_feeder_does_not_fail_at_once)
+TEST(a_new_feeder_does_not_fail_at_once)
 {
     struct job_worker *jw;
     struct job *job;
@@ -126,10 +126,9 @@ START_TEST(a_new_feeder_does_not_fail_at_once)
     ck_assert_uint_eq(jw[2].failures, 1);
     carry_out();
 }
-END_TEST
 
 /* Records come late now and then, by any of them. */
-START_TEST(the_coordinator_does_not_come_to_feed_all)
+TEST(the_coordinator_does_not_come_to_feed_all)
 {
     struct job *job;
     uint64_t random = 1;
@@ -147,10 +146,9 @@ START_TEST(the_coordinator_does_not_come_to_feed_all)
     }
     carry_out();
 }
-END_TEST
 
 /* A link that neither end can dial never comes about. */
-START_TEST(workers_without_an_address_are_not_fed_by_each_other)
+TEST(workers_without_an_address_are_not_fed_by_each_other)
 {
     const struct job_worker *jw;
 
@@ -164,10 +162,9 @@ START_TEST(workers_without_an_address_are_not_fed_by_each_other)
     for (uint32_t i = 0; i < 3; i++)
         ck_assert_uint_eq(jw[i].feeder, 0);
 }
-END_TEST
 
 /* Whoever a worker fed gets another place when that one is gone. */
-START_TEST(workers_that_were_fed_are_fed_by_others)
+TEST(workers_that_were_fed_are_fed_by_others)
 {
     const struct job *job;
 
@@ -182,11 +179,10 @@ START_TEST(workers_that_were_fed_are_fed_by_others)
     ready(WORKER, job_a);
     ck_assert_uint_eq(job->workers[0].feeder, 2);
 }
-END_TEST
 
 /* Nobody knows whether a worker is there that has a tile which another made:
  * it gets nothing before it has said that it has the pass. */
-START_TEST(a_worker_that_was_too_slow_has_to_say_what_it_has)
+TEST(a_worker_that_was_too_slow_has_to_say_what_it_has)
 {
     two_are_ready();
     wait_s(1);
@@ -199,21 +195,4 @@ START_TEST(a_worker_that_was_too_slow_has_to_say_what_it_has)
     ck_assert_int_eq(f.last[WORKER].type, MSG_CLOSED); /* of no such pass */
     hold(true);
     ck_assert(has_tile(WORKER));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_feeding");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, records_travel_while_tiles_are_made);
-    tcase_add_test(tc, workers_below_one_that_hangs_are_fed_by_others);
-    tcase_add_test(tc, a_new_feeder_does_not_fail_at_once);
-    tcase_add_test(tc, the_coordinator_does_not_come_to_feed_all);
-    tcase_add_test(tc, workers_without_an_address_are_not_fed_by_each_other);
-    tcase_add_test(tc, workers_that_were_fed_are_fed_by_others);
-    tcase_add_test(tc, a_worker_that_was_too_slow_has_to_say_what_it_has);
-    return unit_run_case(tc);
 }

@@ -101,7 +101,9 @@ is_over(int state)
     return states[state] == be_done || states[state] == be_cancelled;
 }
 
-START_TEST(cancel_is_answered_whatever_the_job_is_at)
+FIXTURE(set_up, tear_down)
+
+LOOP_TEST(cancel_is_answered_whatever_the_job_is_at, 2 * N_ELEM(states))
 {
     unsigned before;
 
@@ -128,10 +130,9 @@ START_TEST(cancel_is_answered_whatever_the_job_is_at)
     ck_assert_uint_eq(f.sent[ADMIN], before + 1); /* once */
     ck_assert(job_over(desk_find_job(f.c, job_a)));
 }
-END_TEST
 
 /* As where the job itself waits for room. */
-START_TEST(an_answer_comes_as_soon_as_there_is_room)
+TEST(an_answer_comes_as_soon_as_there_is_room)
 {
     tear_down();
     set_up_coord(true);
@@ -141,9 +142,8 @@ START_TEST(an_answer_comes_as_soon_as_there_is_room)
     disk_has_room();
     ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
 }
-END_TEST
 
-START_TEST(a_job_goes_from_submit_to_done)
+TEST(a_job_goes_from_submit_to_done)
 {
     submit(ANA, job_a, 0);
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
@@ -157,10 +157,9 @@ START_TEST(a_job_goes_from_submit_to_done)
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
     ck_assert_uint_eq(f.ends, 0); /* nothing is kept here */
 }
-END_TEST
 
 /* To whoever waits for the job that wants them, and to nobody else. */
-START_TEST(records_go_to_the_radsubmit_that_wants_them)
+TEST(records_go_to_the_radsubmit_that_wants_them)
 {
     struct msg m = { .type = MSG_RECORDS, .records = { job_a, 1, hash, 7 } };
     unsigned to_ana, to_bob;
@@ -187,7 +186,6 @@ START_TEST(records_go_to_the_radsubmit_that_wants_them)
     ck_assert_uint_eq(f.last[BOB].records.len, 7);
     ck_assert_mem_eq(f.last[BOB].records.data, hash, 7);
 }
-END_TEST
 
 /* The file that a user's job waits for comes: the job is accepted. */
 static void
@@ -199,17 +197,16 @@ file_comes(uint64_t who)
     ck_assert_int_eq(f.last[who].type, MSG_ACCEPT);
 }
 
-START_TEST(a_job_waits_for_its_files)
+TEST(a_job_waits_for_its_files)
 {
     f.have = false;
     submit(ANA, job_a, 0);
     ck_assert_int_ne(f.last[ANA].type, MSG_ACCEPT);
     file_comes(ANA);
 }
-END_TEST
 
 /* So many are not looked for in one go. */
-START_TEST(a_job_of_many_files_is_accepted)
+TEST(a_job_of_many_files_is_accepted)
 {
     enum { MANY = 1100 };
     static uint8_t names[MANY][MSG_HASH];
@@ -229,7 +226,6 @@ START_TEST(a_job_of_many_files_is_accepted)
     wait_s(1);
     ck_assert_int_eq(desk_find_job(f.c, job_a)->stage, STAGE_OPEN);
 }
-END_TEST
 
 /* A user of whom nothing has come, and what is wanted of that one. */
 static uint32_t
@@ -243,7 +239,7 @@ stranger_is_asked_for(struct msg_hashes files)
     return f.last[STRANGER].want.n;
 }
 
-START_TEST(nobody_hears_what_others_have_sent)
+TEST(nobody_hears_what_others_have_sent)
 {
     static const uint8_t both[2 * MSG_HASH] = { [MSG_HASH] = 1 };
     struct msg offer = { .type = MSG_OFFER, .offer = { 2, both } };
@@ -254,9 +250,8 @@ START_TEST(nobody_hears_what_others_have_sent)
     ck_assert_uint_eq(f.last[ANA].want.n, 1);
     ck_assert_mem_eq(f.last[ANA].want.hash, both, MSG_HASH);
 }
-END_TEST
 
-START_TEST(a_hash_alone_gives_no_right_to_a_file)
+TEST(a_hash_alone_gives_no_right_to_a_file)
 {
     ck_assert_uint_eq(stranger_is_asked_for((struct msg_hashes){ 1, hash }), 1);
     submit(STRANGER, job_a, 0);
@@ -268,9 +263,8 @@ START_TEST(a_hash_alone_gives_no_right_to_a_file)
     ck_assert_int_eq(f.last[STRANGER].type, MSG_ACCEPT);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
 }
-END_TEST
 
-START_TEST(a_store_of_one_user_hides_nothing)
+TEST(a_store_of_one_user_hides_nothing)
 {
     static const uint8_t both[2 * MSG_HASH] = { [MSG_HASH] = 1 };
 
@@ -279,9 +273,8 @@ START_TEST(a_store_of_one_user_hides_nothing)
     submit(STRANGER, job_a, 0);
     ck_assert_int_eq(f.last[STRANGER].type, MSG_ACCEPT);
 }
-END_TEST
 
-START_TEST(a_store_of_one_user_asks_for_what_is_not_there)
+TEST(a_store_of_one_user_asks_for_what_is_not_there)
 {
     f.c->env.one_user = true;
     f.have = false;
@@ -290,12 +283,11 @@ START_TEST(a_store_of_one_user_asks_for_what_is_not_there)
     ck_assert_int_ne(f.last[STRANGER].type, MSG_ACCEPT);
     file_comes(STRANGER);
 }
-END_TEST
 
 /* As long as the store would keep it for that user alone. */
 enum { UPLOAD_MS = 3600 * 1000 };
 
-START_TEST(what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it)
+TEST(what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it)
 {
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
     const struct coord_keep none = { .jobs = 0 };
@@ -319,9 +311,8 @@ START_TEST(what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it)
     say(SECOND, &offer);
     ck_assert_uint_eq(f.last[SECOND].want.n, 1);
 }
-END_TEST
 
-START_TEST(a_worker_gets_files_of_the_job_that_it_loads_alone)
+TEST(a_worker_gets_files_of_the_job_that_it_loads_alone)
 {
     static const uint8_t both[2 * MSG_HASH] = { [MSG_HASH] = 1 };
     struct msg want = { .type = MSG_WANT, .want = { 2, both } };
@@ -338,10 +329,9 @@ START_TEST(a_worker_gets_files_of_the_job_that_it_loads_alone)
     say(WORKER, &want);
     ck_assert_uint_eq(f.files_sent, 1);
 }
-END_TEST
 
 /* Else the next job waits for them, behind a slow line. */
-START_TEST(files_of_a_job_that_was_cancelled_are_not_sent_any_more)
+TEST(files_of_a_job_that_was_cancelled_are_not_sent_any_more)
 {
     struct msg want = { .type = MSG_WANT, .want = { 1, hash } };
 
@@ -355,7 +345,6 @@ START_TEST(files_of_a_job_that_was_cancelled_are_not_sent_any_more)
     about(ANA, MSG_CANCEL, job_b);
     ck_assert_uint_eq(f.files_dropped, WORKER);
 }
-END_TEST
 
 static void
 room(const uint8_t *job, bool has)
@@ -366,7 +355,7 @@ room(const uint8_t *job, bool has)
     say(WORKER, &m);
 }
 
-START_TEST(a_job_without_room_waits_and_others_go_on)
+TEST(a_job_without_room_waits_and_others_go_on)
 {
     unsigned sent;
 
@@ -385,9 +374,8 @@ START_TEST(a_job_without_room_waits_and_others_go_on)
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
     ck_assert_mem_eq(f.last[WORKER].job_start.job, job_a, MSG_JOB);
 }
-END_TEST
 
-START_TEST(a_worker_without_room_may_have_some_when_it_comes_again)
+TEST(a_worker_without_room_may_have_some_when_it_comes_again)
 {
     submit(ANA, job_a, 0);
     room(job_a, false);
@@ -396,10 +384,9 @@ START_TEST(a_worker_without_room_may_have_some_when_it_comes_again)
     join(SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
     ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
 }
-END_TEST
 
 /* Room for its rows is made meanwhile: nobody renders before that is there. */
-START_TEST(workers_load_while_a_job_is_stored)
+TEST(workers_load_while_a_job_is_stored)
 {
     f.stuck = true;
     submit(ANA, job_a, 0);
@@ -411,9 +398,8 @@ START_TEST(workers_load_while_a_job_is_stored)
     carry_out();
     ck_assert_uint_gt(f.units[WORKER], 0);
 }
-END_TEST
 
-START_TEST(workers_forget_a_job_that_could_not_be_stored)
+TEST(workers_forget_a_job_that_could_not_be_stored)
 {
     f.stuck = true;
     submit(ANA, job_a, 0);
@@ -424,10 +410,9 @@ START_TEST(workers_forget_a_job_that_could_not_be_stored)
     ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_END);
     ck_assert_uint_eq(f.units[WORKER], 0);
 }
-END_TEST
 
 /* The last of its files came, and nothing else happens. */
-START_TEST(workers_load_when_the_last_file_is_there)
+TEST(workers_load_when_the_last_file_is_there)
 {
     f.stuck = true;
     f.have = false;
@@ -438,7 +423,6 @@ START_TEST(workers_load_when_the_last_file_is_there)
     carry_out();
     ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_START);
 }
-END_TEST
 
 static bool
 says_of_jobs(const char *words)
@@ -453,7 +437,7 @@ says_of_jobs(const char *words)
 }
 
 /* For want of room for its own rows, not of any. */
-START_TEST(a_job_waits_for_much_room_alone)
+TEST(a_job_waits_for_much_room_alone)
 {
     f.stuck = true;
     submit(ANA, job_a, 0);
@@ -476,9 +460,8 @@ START_TEST(a_job_waits_for_much_room_alone)
     wait_s(1);
     ck_assert_uint_ne(f.last[ANA].progress.state, MSG_STATE_HELD);
 }
-END_TEST
 
-START_TEST(the_same_id_again_attaches)
+TEST(the_same_id_again_attaches)
 {
     submit(ANA, job_a, 0);
     submit(ANA, job_a, 0);
@@ -488,9 +471,8 @@ START_TEST(the_same_id_again_attaches)
     ck_assert_int_eq(f.last[BOB].type, MSG_FAILED);
     ck_assert_int_eq(f.last[BOB].failed.status, EX_NOPERM);
 }
-END_TEST
 
-START_TEST(only_owner_and_admin_steer_a_job)
+TEST(only_owner_and_admin_steer_a_job)
 {
     static const uint16_t types[] = { MSG_PAUSE, MSG_RESUME, MSG_CANCEL };
 
@@ -511,10 +493,9 @@ START_TEST(only_owner_and_admin_steer_a_job)
     about(ANA, MSG_CANCEL, job_b);
     ck_assert_str_eq(desk_find_job(f.c, job_b)->text, "cancelled");
 }
-END_TEST
 
 /* Files are needed as long as a job is remembered. */
-START_TEST(files_of_jobs_are_needed)
+TEST(files_of_jobs_are_needed)
 {
     size_t n;
     uint8_t *list = coord_files(f.c, &n);
@@ -531,10 +512,9 @@ START_TEST(files_of_jobs_are_needed)
     ck_assert_mem_eq(list, hash, MSG_HASH);
     free(list);
 }
-END_TEST
 
 /* Of a job of very many units nobody waits for all of them at once. */
-START_TEST(statistics_in_pieces_are_those_at_once)
+TEST(statistics_in_pieces_are_those_at_once)
 {
     struct stats_text *t;
     const struct job *job;
@@ -558,9 +538,8 @@ START_TEST(statistics_in_pieces_are_those_at_once)
     free(text);
     free(whole);
 }
-END_TEST
 
-START_TEST(frames_are_fetched_when_they_are_there)
+TEST(frames_are_fetched_when_they_are_there)
 {
     struct msg m = { .type = MSG_FETCH,
                      .request = 6,
@@ -579,9 +558,8 @@ START_TEST(frames_are_fetched_when_they_are_there)
     say(ANA, &m);
     ck_assert_int_eq(f.last[ANA].type, MSG_CHUNK);
 }
-END_TEST
 
-START_TEST(an_observer_sees_all_and_changes_nothing)
+TEST(an_observer_sees_all_and_changes_nothing)
 {
     static const uint16_t orders[] = { MSG_CANCEL, MSG_PAUSE, MSG_DELETE };
     struct msg m = { .type = MSG_FETCH,
@@ -606,10 +584,9 @@ START_TEST(an_observer_sees_all_and_changes_nothing)
         ck_assert_int_ne(desk_find_job(f.c, job_a)->state, JOB_PAUSED);
     }
 }
-END_TEST
 
 /* It is nearly full: room comes and goes twice a second. */
-START_TEST(a_disk_that_is_full_by_turns_is_told_now_and_then)
+TEST(a_disk_that_is_full_by_turns_is_told_now_and_then)
 {
     for (int i = 0; i < 60; i++) {
         coord_fullness(f.c, f.now_ms, i % 2 == 0, "cannot write 'x'");
@@ -624,9 +601,8 @@ START_TEST(a_disk_that_is_full_by_turns_is_told_now_and_then)
     wait_s(1);
     ck_assert_int_eq(f.room_logs, 2);
 }
-END_TEST
 
-START_TEST(a_full_disk_holds_jobs)
+TEST(a_full_disk_holds_jobs)
 {
     f.have = false;
     submit(ANA, job_a, 0);
@@ -643,9 +619,8 @@ START_TEST(a_full_disk_holds_jobs)
     wait_s(1);
     ck_assert_uint_ne(f.progress.state, MSG_STATE_HELD);
 }
-END_TEST
 
-START_TEST(queries_are_answered_in_json)
+TEST(queries_are_answered_in_json)
 {
     static const struct {
         uint8_t what;
@@ -669,11 +644,10 @@ START_TEST(queries_are_answered_in_json)
         json_decref(root);
     }
 }
-END_TEST
 
 /* JSON is UTF-8, and who cut the text did not look; nor is the name of a folder
  * always. */
-START_TEST(a_job_whose_text_is_cut_is_told_of)
+TEST(a_job_whose_text_is_cut_is_told_of)
 {
     const struct msg query = { .type = MSG_QUERY,
                                .query = { MSG_QUERY_JOB, "aa" } };
@@ -694,10 +668,9 @@ START_TEST(a_job_whose_text_is_cut_is_told_of)
     say(BOB, &query);
     ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
 }
-END_TEST
 
 /* Half of a job's only unit is there. */
-START_TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
+TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
 {
 #define ROW "\2\2\0\10\210\1\210\2\210\3\210\4"
     static const char code[] = ROW ROW ROW ROW;
@@ -725,46 +698,4 @@ START_TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
                       f.last[BOB].answer.len, 0, NULL);
     ck_assert_double_eq(json_number_value(json_object_get(root, "done")), .5);
     json_decref(root);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_jobs");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_job_goes_from_submit_to_done);
-    tcase_add_test(tc, records_go_to_the_radsubmit_that_wants_them);
-    tcase_add_test(tc, a_job_waits_for_its_files);
-    tcase_add_test(tc, a_job_of_many_files_is_accepted);
-    tcase_add_test(tc, nobody_hears_what_others_have_sent);
-    tcase_add_test(tc, a_hash_alone_gives_no_right_to_a_file);
-    tcase_add_test(tc, a_store_of_one_user_hides_nothing);
-    tcase_add_test(tc, a_store_of_one_user_asks_for_what_is_not_there);
-    tcase_add_test(
-        tc, what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it);
-    tcase_add_test(tc, a_worker_gets_files_of_the_job_that_it_loads_alone);
-    tcase_add_test(tc, files_of_a_job_that_was_cancelled_are_not_sent_any_more);
-    tcase_add_test(tc, a_job_without_room_waits_and_others_go_on);
-    tcase_add_test(tc, a_worker_without_room_may_have_some_when_it_comes_again);
-    tcase_add_test(tc, workers_load_while_a_job_is_stored);
-    tcase_add_test(tc, workers_forget_a_job_that_could_not_be_stored);
-    tcase_add_test(tc, workers_load_when_the_last_file_is_there);
-    tcase_add_test(tc, a_job_waits_for_much_room_alone);
-    tcase_add_test(tc, the_same_id_again_attaches);
-    tcase_add_test(tc, only_owner_and_admin_steer_a_job);
-    tcase_add_test(tc, files_of_jobs_are_needed);
-    tcase_add_test(tc, statistics_in_pieces_are_those_at_once);
-    tcase_add_test(tc, frames_are_fetched_when_they_are_there);
-    tcase_add_test(tc, an_observer_sees_all_and_changes_nothing);
-    tcase_add_test(tc, a_full_disk_holds_jobs);
-    tcase_add_test(tc, a_disk_that_is_full_by_turns_is_told_now_and_then);
-    tcase_add_loop_test(tc, cancel_is_answered_whatever_the_job_is_at, 0,
-                        2 * N_ELEM(states));
-    tcase_add_test(tc, an_answer_comes_as_soon_as_there_is_room);
-    tcase_add_test(tc, queries_are_answered_in_json);
-    tcase_add_test(tc, a_job_whose_text_is_cut_is_told_of);
-    tcase_add_test(tc, how_far_a_job_is_goes_by_rows_where_units_are_large);
-    return unit_run_case(tc);
 }

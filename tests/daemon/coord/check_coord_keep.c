@@ -15,8 +15,10 @@ whole_job(const uint8_t *job)
         result(WORKER, job, u, 1);
 }
 
+FIXTURE(set_up, tear_down)
+
 /* By number, by age, and by size, but not before its user can have it. */
-START_TEST(jobs_that_are_over_are_kept_for_a_while)
+LOOP_TEST(jobs_that_are_over_are_kept_for_a_while, 3)
 {
     static const struct coord_keep keeps[] = { { 1, 0, 0, 0, 0 },
                                                { 9, 90000, 0, 0, 0 },
@@ -39,7 +41,6 @@ START_TEST(jobs_that_are_over_are_kept_for_a_while)
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
     ck_assert((desk_find_job(f.c, job_b) == NULL) == (_i == 1));
 }
-END_TEST
 
 static bool
 is_recalled(const uint8_t *job)
@@ -50,7 +51,7 @@ is_recalled(const uint8_t *job)
     return coord_find_gone(f.c, hex);
 }
 
-START_TEST(a_forgotten_job_that_is_submitted_again_is_not_forgotten)
+TEST(a_forgotten_job_that_is_submitted_again_is_not_forgotten)
 {
     coord_set_keep(f.c, &(struct coord_keep){ .jobs = 1 });
     whole_job(job_a);
@@ -63,10 +64,9 @@ START_TEST(a_forgotten_job_that_is_submitted_again_is_not_forgotten)
     about(ANA, MSG_DELETE, job_a); /* which its user knows */
     ck_assert(!is_recalled(job_a));
 }
-END_TEST
 
 /* Searches for work look at the others alone. */
-START_TEST(jobs_that_are_over_stand_behind_the_others)
+TEST(jobs_that_are_over_stand_behind_the_others)
 {
     uint8_t id[MSG_JOB] = { 0 };
 
@@ -86,7 +86,6 @@ START_TEST(jobs_that_are_over_stand_behind_the_others)
                   (a->rank == b->rank && a->spec.priority >= b->spec.priority));
     }
 }
-END_TEST
 
 /* Recover a job that was over at so many ms. */
 static void
@@ -107,7 +106,7 @@ recover_over(const char *owner, const uint8_t *id, uint64_t end_ms)
 
 /* When fewer jobs are kept from now on, the oldest of each owner go, whatever
  * the order in which they came. */
-START_TEST(a_lower_limit_leaves_the_youngest_jobs_of_each_owner)
+TEST(a_lower_limit_leaves_the_youngest_jobs_of_each_owner)
 {
     static const struct coord_keep many = { .jobs = 99 }, few = { .jobs = 10 };
     uint8_t id[2][MSG_JOB] = { { 1 }, { 2 } };
@@ -126,10 +125,9 @@ START_TEST(a_lower_limit_leaves_the_youngest_jobs_of_each_owner)
         ck_assert(!desk_find_job(f.c, id[1]) == (i < 20));
     }
 }
-END_TEST
 
 /* A job that is over holds the memory of its windows: of many, few are kept. */
-START_TEST(large_jobs_that_are_over_count_as_several)
+TEST(large_jobs_that_are_over_count_as_several)
 {
     static const struct coord_keep keep = { .jobs = 9 };
     static const struct msg_frame picture = { 0, 200, 200, "" };
@@ -150,11 +148,10 @@ START_TEST(large_jobs_that_are_over_count_as_several)
     }
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
 }
-END_TEST
 
 /* What was fetched goes, after a while in which its user gets the rest of it;
  * what was not stays for longer. */
-START_TEST(what_was_not_fetched_is_kept)
+TEST(what_was_not_fetched_is_kept)
 {
     static const struct coord_keep keep = { .unfetched_ms = 90000 };
     struct coord_conn *ana;
@@ -190,7 +187,6 @@ START_TEST(what_was_not_fetched_is_kept)
     about(BOB, MSG_CANCEL, job_b);
     ck_assert_str_eq(f.last[BOB].failed.text, "no such job");
 }
-END_TEST
 
 static const struct {
     uint32_t flags;
@@ -213,7 +209,7 @@ fetched_actions(void)
 
 /* Distances beside a picture leave it unfetched; of sensor points, of which no
  * picture is sent, they are all that there is. */
-START_TEST(the_file_that_its_owner_waits_for_is_fetched)
+LOOP_TEST(the_file_that_its_owner_waits_for_is_fetched, N_ELEM(main_file))
 {
     static const struct coord_keep keep = { .unfetched_ms = 90000 };
     static const uint8_t rows[4 * 4 * 16];
@@ -247,7 +243,6 @@ START_TEST(the_file_that_its_owner_waits_for_is_fetched)
     ck_assert_uint_eq(fetched_actions(), 1);
     carry_out();
 }
-END_TEST
 
 static bool sending; /* a file of job_a is on its way */
 
@@ -261,7 +256,7 @@ sends_a(void *arg, coord_sent_fn *fn, void *with)
 
 /* radsubmit -z writes a picture only with its distances, which may come slowly,
  * by a line that breaks. */
-START_TEST(a_job_stays_while_its_files_are_sent)
+TEST(a_job_stays_while_its_files_are_sent)
 {
     static const struct coord_keep keep = { .unfetched_ms = 90000 };
 
@@ -279,10 +274,9 @@ START_TEST(a_job_stays_while_its_files_are_sent)
     wait_s(11);
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
 }
-END_TEST
 
 /* Each file that its owner asks for gives the time to ask for the next. */
-START_TEST(each_file_that_is_fetched_keeps_its_job)
+TEST(each_file_that_is_fetched_keeps_its_job)
 {
     static const struct coord_keep keep = { .unfetched_ms = 90000 };
     struct msg fetch = { .type = MSG_FETCH,
@@ -302,10 +296,9 @@ START_TEST(each_file_that_is_fetched_keeps_its_job)
     wait_s(11);
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
 }
-END_TEST
 
 /* Small jobs are fetched by the hundred in the minute that each has. */
-START_TEST(few_of_those_just_fetched_are_kept)
+TEST(few_of_those_just_fetched_are_kept)
 {
     static const struct coord_keep keep = { .jobs = 10, .unfetched_ms = 90000 };
     uint8_t id[MSG_JOB] = { 0 };
@@ -326,10 +319,9 @@ START_TEST(few_of_those_just_fetched_are_kept)
     wait_s(61);
     ck_assert_uint_eq(f.c->njobs, 10);
 }
-END_TEST
 
 /* Three weeks, during one of two jobs. */
-START_TEST(sleep_of_the_machine_makes_no_job_older_that_ended_after_it)
+TEST(sleep_of_the_machine_makes_no_job_older_that_ended_after_it)
 {
     static const struct coord_keep keep = { .unfetched_ms = 90000 };
     const uint64_t weeks_ms = UINT64_C(21) * 24 * 3600 * 1000;
@@ -362,10 +354,9 @@ START_TEST(sleep_of_the_machine_makes_no_job_older_that_ended_after_it)
     wait_s(10);
     ck_assert_ptr_null(desk_find_job(f.c, job_b));
 }
-END_TEST
 
 /* Who asks hears the same of it as before. */
-START_TEST(of_a_job_that_is_filed_its_end_is_kept)
+TEST(of_a_job_that_is_filed_its_end_is_kept)
 {
     struct msg fetch = { .type = MSG_FETCH,
                          .request = 9,
@@ -408,29 +399,4 @@ START_TEST(of_a_job_that_is_filed_its_end_is_kept)
     coord_message(f.c, f.now_ms, ANA, &fetch);
     ck_assert_int_eq(coord_actions(f.c)->v[0].type, ACT_SEND_PICTURE);
     carry_out();
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_keep");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_lower_limit_leaves_the_youngest_jobs_of_each_owner);
-    tcase_add_test(tc, large_jobs_that_are_over_count_as_several);
-    tcase_add_test(tc, what_was_not_fetched_is_kept);
-    tcase_add_test(tc, jobs_that_are_over_stand_behind_the_others);
-    tcase_add_test(tc,
-                   a_forgotten_job_that_is_submitted_again_is_not_forgotten);
-    tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
-    tcase_add_loop_test(tc, the_file_that_its_owner_waits_for_is_fetched, 0,
-                        N_ELEM(main_file));
-    tcase_add_test(tc, a_job_stays_while_its_files_are_sent);
-    tcase_add_test(tc, each_file_that_is_fetched_keeps_its_job);
-    tcase_add_test(tc, few_of_those_just_fetched_are_kept);
-    tcase_add_test(tc,
-                   sleep_of_the_machine_makes_no_job_older_that_ended_after_it);
-    tcase_add_test(tc, of_a_job_that_is_filed_its_end_is_kept);
-    return unit_run_case(tc);
 }

@@ -7,7 +7,9 @@
 #include "jobs/part.h"
 #include "registry/recover.h"
 
-START_TEST(a_paused_job_gets_no_units)
+FIXTURE(set_up, tear_down)
+
+TEST(a_paused_job_gets_no_units)
 {
     submit(ANA, job_a, 0);
     about(ANA, MSG_PAUSE, job_a);
@@ -16,9 +18,8 @@ START_TEST(a_paused_job_gets_no_units)
     about(ANA, MSG_RESUME, job_a);
     ck_assert_uint_eq(f.units[WORKER], 2);
 }
-END_TEST
 
-START_TEST(a_drained_worker_gets_nothing_new)
+TEST(a_drained_worker_gets_nothing_new)
 {
     struct msg m = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
@@ -29,9 +30,8 @@ START_TEST(a_drained_worker_gets_nothing_new)
     say(ADMIN, &m);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
 }
-END_TEST
 
-START_TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
+TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
 {
     struct msg m = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
@@ -46,9 +46,8 @@ START_TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
     ck_assert(f.closed[WORKER]);
     ck_assert_uint_eq(f.units[WORKER], 2);
 }
-END_TEST
 
-START_TEST(higher_priority_goes_first)
+TEST(higher_priority_goes_first)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -57,9 +56,8 @@ START_TEST(higher_priority_goes_first)
     result(WORKER, job_a, 0, 1);
     ck_assert_uint_eq(f.unit_job, 0xbb);
 }
-END_TEST
 
-START_TEST(owners_share_the_workers)
+TEST(owners_share_the_workers)
 {
     submit(ANA, job_a, 0);
     submit(BOB, job_b, 0);
@@ -75,7 +73,6 @@ START_TEST(owners_share_the_workers)
     /* ana's is older, but she has more threads at work */
     ck_assert_uint_eq(f.unit_job, 0xbb);
 }
-END_TEST
 
 static const uint8_t job_c[MSG_JOB] = { 0xcc };
 
@@ -87,7 +84,7 @@ starts(uint64_t conn)
 }
 
 /* However many wait: each takes a child, and memory for its scene. */
-START_TEST(a_busy_worker_loads_one_job_ahead)
+TEST(a_busy_worker_loads_one_job_ahead)
 {
     submit_with(ANA, job_a, 0, 8, 0);
     submit_with(ANA, job_b, 0, 8, 0);
@@ -102,10 +99,9 @@ START_TEST(a_busy_worker_loads_one_job_ahead)
     ck_assert_uint_eq(f.unit_job, 0xbb);
     ck_assert_uint_eq(starts(WORKER), 0xcc);
 }
-END_TEST
 
 /* A job that goes first is loaded, whatever is loaded ahead. */
-START_TEST(a_job_that_goes_first_is_loaded_ahead_of_others)
+TEST(a_job_that_goes_first_is_loaded_ahead_of_others)
 {
     submit(ANA, job_a, 0);
     submit(ANA, job_b, 0);
@@ -114,9 +110,8 @@ START_TEST(a_job_that_goes_first_is_loaded_ahead_of_others)
     submit(BOB, job_c, 0);
     ck_assert_uint_eq(starts(WORKER), 0xcc);
 }
-END_TEST
 
-START_TEST(a_job_without_room_is_not_loaded)
+TEST(a_job_without_room_is_not_loaded)
 {
     const struct job *job;
 
@@ -133,7 +128,6 @@ START_TEST(a_job_without_room_is_not_loaded)
     carry_out();
     ck_assert_uint_eq(starts(SECOND), 0xaa);
 }
-END_TEST
 
 /* Are so many jobs begun, queued and over, and does job number i have this id?
  */
@@ -150,7 +144,7 @@ ranks(size_t begun, size_t queued, size_t over, const char *first_bytes)
 }
 
 /* What is asked often goes over the jobs that are begun, and over no others. */
-START_TEST(jobs_that_are_begun_stand_in_front)
+TEST(jobs_that_are_begun_stand_in_front)
 {
     struct msg up = { .type = MSG_PRIORITY, .priority = { job_c, 3 } };
 
@@ -170,7 +164,6 @@ START_TEST(jobs_that_are_begun_stand_in_front)
     ranks(1, 0, 1, "\xcc\xbb");
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
 }
-END_TEST
 
 /* Of many tiles. */
 static const struct msg_frame huge = { 0, 4000, 3000, "" };
@@ -186,7 +179,7 @@ make_tile(uint64_t conn)
 }
 
 /* Bob's job comes while both workers make tiles for ana. */
-START_TEST(owners_share_workers_that_are_at_passes)
+TEST(owners_share_workers_that_are_at_passes)
 {
     submit_passes(ANA, &huge, 1);
     join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
@@ -202,10 +195,9 @@ START_TEST(owners_share_workers_that_are_at_passes)
     ready(SECOND, job_b);
     ck_assert_uint_eq(f.units[SECOND], 0);
 }
-END_TEST
 
 /* Neither does ana's second worker follow, nor bob's come back. */
-START_TEST(workers_stay_with_an_owner_at_passes)
+TEST(workers_stay_with_an_owner_at_passes)
 {
     struct msg_tile left, next;
     const struct job *job;
@@ -235,7 +227,6 @@ START_TEST(workers_stay_with_an_owner_at_passes)
         result(WORKER, job_b, u, 1);
     ck_assert_uint_eq(tiles_out(&job->workers[0]), 3); /* bob's is over */
 }
-END_TEST
 
 /* Bob submits a job of a frame of so many pixels a side. */
 static void
@@ -251,7 +242,7 @@ submit_frame(uint32_t side, int partition, uint32_t windows)
 }
 
 /* Bob renders lines at both workers when ana's job with passes comes. */
-START_TEST(lines_make_way_for_passes_of_another_owner)
+TEST(lines_make_way_for_passes_of_another_owner)
 {
     submit_frame(64, MSG_PART_STATIC, 0);
     join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
@@ -264,11 +255,10 @@ START_TEST(lines_make_way_for_passes_of_another_owner)
     wait_s(1);
     ck_assert_int_eq(has_tile(WORKER) + has_tile(SECOND), 1);
 }
-END_TEST
 
 /* Of windows a worker has as many in hand as leave no room for tiles: they are
  * not replaced. */
-START_TEST(windows_make_way_for_passes_of_another_owner)
+TEST(windows_make_way_for_passes_of_another_owner)
 {
     submit_frame(32, MSG_PART_WINDOW, 64); /* windows of 4 x 4 */
     ready(WORKER, job_b);
@@ -281,10 +271,9 @@ START_TEST(windows_make_way_for_passes_of_another_owner)
     ck_assert_uint_gt(tiles_out(&desk_find_job(f.c, job_a)->workers[0]), 0);
     ck_assert_uint_eq(f.units[WORKER], 4); /* one while the scene loaded */
 }
-END_TEST
 
 /* Once it has begun, too, a job makes way for an older job of its owner. */
-START_TEST(of_an_owners_jobs_the_older_goes_first)
+TEST(of_an_owners_jobs_the_older_goes_first)
 {
     struct msg_tile left;
 
@@ -302,10 +291,9 @@ START_TEST(of_an_owners_jobs_the_older_goes_first)
     made(WORKER, left.pass, left.tile, 0);
     ck_assert_uint_eq(f.unit_job, 0xbb);
 }
-END_TEST
 
 /* Bob's is older than both, and the second worker is at the younger. */
-START_TEST(an_owners_older_job_goes_first_whoever_else_has_one)
+TEST(an_owners_older_job_goes_first_whoever_else_has_one)
 {
     const struct msg_frame square = { 0, 32, 32, "" };
     struct msg many = usual_submit(job_c); /* windows of 4 x 4 */
@@ -327,9 +315,8 @@ START_TEST(an_owners_older_job_goes_first_whoever_else_has_one)
     result(SECOND, job_c, 0, 1);
     ck_assert_uint_eq(f.unit_job, 0xaa);
 }
-END_TEST
 
-START_TEST(priority_goes_before_fairness)
+TEST(priority_goes_before_fairness)
 {
     submit(ANA, job_a, 1);
     submit(BOB, job_b, 0);
@@ -340,7 +327,6 @@ START_TEST(priority_goes_before_fairness)
     ready(SECOND, job_b);
     ck_assert_uint_eq(f.unit_job, 0xaa);
 }
-END_TEST
 
 /* Four units, of which a worker has two at a time. */
 static void
@@ -354,7 +340,7 @@ two_arithmetics(uint32_t flags)
     say(SECOND, &other);
 }
 
-START_TEST(same_bits_takes_workers_of_one_arithmetic)
+TEST(same_bits_takes_workers_of_one_arithmetic)
 {
     two_arithmetics(MSG_JOB_SAME_BITS);
     ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_END);
@@ -367,10 +353,9 @@ START_TEST(same_bits_takes_workers_of_one_arithmetic)
     wait_s(10);
     ck_assert_uint_eq(f.units[SECOND], 0);
 }
-END_TEST
 
 /* The first worker was one of an earlier life of the coordinator. */
-START_TEST(same_bits_are_those_of_an_earlier_life)
+TEST(same_bits_are_those_of_an_earlier_life)
 {
     struct saved_unit unit = { .area = { 0, 0, 0, 4, 4 },
                                .attempt = 1,
@@ -398,9 +383,8 @@ START_TEST(same_bits_are_those_of_an_earlier_life)
     say(SECOND, &same);
     ck_assert_uint_gt(f.units[SECOND], 0);
 }
-END_TEST
 
-START_TEST(lines_of_a_busy_worker_are_not_waited_for_in_vain)
+TEST(lines_of_a_busy_worker_are_not_waited_for_in_vain)
 {
     static const struct msg_frame line = { 0, 8, 2, "" };
     struct msg m = usual_submit(job_a);
@@ -418,7 +402,6 @@ START_TEST(lines_of_a_busy_worker_are_not_waited_for_in_vain)
     ready(SECOND, job_b);
     ck_assert_uint_gt(f.units[SECOND], 0);
 }
-END_TEST
 
 /* What radctl shows of job_a; to be released. */
 static json_t *
@@ -458,7 +441,7 @@ workers_of_job(void)
     return (unsigned)n;
 }
 
-START_TEST(a_job_that_no_arithmetic_is_left_for_says_so)
+TEST(a_job_that_no_arithmetic_is_left_for_says_so)
 {
     two_arithmetics(MSG_JOB_SAME_BITS);
     ck_assert_str_eq(text_of_job(), "");
@@ -471,9 +454,8 @@ START_TEST(a_job_that_no_arithmetic_is_left_for_says_so)
     ready(6, job_a);
     ck_assert_str_eq(text_of_job(), "");
 }
-END_TEST
 
-START_TEST(other_reasons_are_not_taken_for_the_arithmetic)
+TEST(other_reasons_are_not_taken_for_the_arithmetic)
 {
     struct msg lost = { .type = MSG_LOST,
                         .lost = { job_a, EX_OSERR, "out of memory", 0, NULL } };
@@ -489,9 +471,8 @@ START_TEST(other_reasons_are_not_taken_for_the_arithmetic)
     carry_out();
     ck_assert_str_eq(text_of_job(), "");
 }
-END_TEST
 
-START_TEST(a_job_that_waits_its_turn_says_so)
+TEST(a_job_that_waits_its_turn_says_so)
 {
     submit(BOB, job_b, 1);
     ready(WORKER, job_b);
@@ -501,9 +482,8 @@ START_TEST(a_job_that_waits_its_turn_says_so)
     about(BOB, MSG_CANCEL, job_b);
     ck_assert_str_eq(text_of_job(), "");
 }
-END_TEST
 
-START_TEST(a_job_whose_workers_left_for_another_has_none)
+TEST(a_job_whose_workers_left_for_another_has_none)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -519,9 +499,8 @@ START_TEST(a_job_whose_workers_left_for_another_has_none)
     ck_assert_uint_eq(workers_of_job(), 1);
     ck_assert_str_eq(text_of_job(), "");
 }
-END_TEST
 
-START_TEST(a_job_whose_workers_are_drained_has_none)
+TEST(a_job_whose_workers_are_drained_has_none)
 {
     struct msg m = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
@@ -534,9 +513,8 @@ START_TEST(a_job_whose_workers_are_drained_has_none)
     ck_assert_uint_eq(workers_of_job(), 0);
     ck_assert_str_eq(text_of_job(), "all workers are drained");
 }
-END_TEST
 
-START_TEST(a_job_whose_workers_may_not_work_says_why)
+TEST(a_job_whose_workers_may_not_work_says_why)
 {
     struct msg m = { .type = MSG_DRAIN, .drain = { "ws1", MSG_DRAIN_HOURS } };
 
@@ -556,47 +534,10 @@ START_TEST(a_job_whose_workers_may_not_work_says_why)
     ck_assert_str_eq(text_of_job(),
                      "no worker may work: 1 outside hours, 1 drained");
 }
-END_TEST
 
-START_TEST(without_same_bits_all_workers_take_part)
+TEST(without_same_bits_all_workers_take_part)
 {
     two_arithmetics(0);
     ck_assert_uint_gt(f.units[SECOND], 0);
     ck_assert_int_eq(f.exclude_logs, 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_order");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_paused_job_gets_no_units);
-    tcase_add_test(tc, a_drained_worker_gets_nothing_new);
-    tcase_add_test(tc, a_worker_that_leaves_is_let_go_when_it_is_empty);
-    tcase_add_test(tc, higher_priority_goes_first);
-    tcase_add_test(tc, owners_share_the_workers);
-    tcase_add_test(tc, a_busy_worker_loads_one_job_ahead);
-    tcase_add_test(tc, a_job_that_goes_first_is_loaded_ahead_of_others);
-    tcase_add_test(tc, a_job_without_room_is_not_loaded);
-    tcase_add_test(tc, jobs_that_are_begun_stand_in_front);
-    tcase_add_test(tc, owners_share_workers_that_are_at_passes);
-    tcase_add_test(tc, workers_stay_with_an_owner_at_passes);
-    tcase_add_test(tc, lines_make_way_for_passes_of_another_owner);
-    tcase_add_test(tc, windows_make_way_for_passes_of_another_owner);
-    tcase_add_test(tc, of_an_owners_jobs_the_older_goes_first);
-    tcase_add_test(tc, an_owners_older_job_goes_first_whoever_else_has_one);
-    tcase_add_test(tc, priority_goes_before_fairness);
-    tcase_add_test(tc, lines_of_a_busy_worker_are_not_waited_for_in_vain);
-    tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
-    tcase_add_test(tc, same_bits_are_those_of_an_earlier_life);
-    tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
-    tcase_add_test(tc, other_reasons_are_not_taken_for_the_arithmetic);
-    tcase_add_test(tc, a_job_that_waits_its_turn_says_so);
-    tcase_add_test(tc, a_job_whose_workers_may_not_work_says_why);
-    tcase_add_test(tc, a_job_whose_workers_left_for_another_has_none);
-    tcase_add_test(tc, a_job_whose_workers_are_drained_has_none);
-    tcase_add_test(tc, without_same_bits_all_workers_take_part);
-    return unit_run_case(tc);
 }

@@ -8,7 +8,9 @@
 #include "jobs/progress.h"
 #include "registry/recover.h"
 
-START_TEST(units_come_when_all_passes_are_closed)
+FIXTURE(set_up, tear_down)
+
+TEST(units_come_when_all_passes_are_closed)
 {
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
@@ -20,11 +22,10 @@ START_TEST(units_come_when_all_passes_are_closed)
     ck_assert_uint_gt(f.units[WORKER], 0);
     ck_assert_uint_eq(state().open, PASSES);
 }
-END_TEST
 
 /* The records of all tiles in their order, whatever the order in which they
  * came; to workers that come later, too. */
-START_TEST(a_pass_that_is_closed_goes_to_all)
+TEST(a_pass_that_is_closed_goes_to_all)
 {
     struct msg_frozen *z = &f.last[SECOND].frozen;
 
@@ -45,7 +46,6 @@ START_TEST(a_pass_that_is_closed_goes_to_all)
     ck_assert_uint_eq(z->data[0], 1);
     ck_assert_uint_eq(z->data[AMBSHARE_BYTES], 2);
 }
-END_TEST
 
 static const struct {
     uint32_t pass, tile;
@@ -54,7 +54,7 @@ static const struct {
               { 0, 2, AMBSHARE_BYTES },
               { 0, 0, AMBSHARE_BYTES - 1 } };
 
-START_TEST(what_fits_no_tile_ends_the_connection)
+LOOP_TEST(what_fits_no_tile_ends_the_connection, N_ELEM(wrong))
 {
     struct msg m = { .type = MSG_TILE_MADE,
                      .tile_made = { .job = job_a,
@@ -69,9 +69,8 @@ START_TEST(what_fits_no_tile_ends_the_connection)
     say(WORKER, &m);
     ck_assert(f.closed[WORKER]);
 }
-END_TEST
 
-START_TEST(tiles_of_a_lost_worker_go_to_another)
+TEST(tiles_of_a_lost_worker_go_to_another)
 {
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
@@ -84,10 +83,9 @@ START_TEST(tiles_of_a_lost_worker_go_to_another)
     make_pass(SECOND, 0);
     ck_assert_uint_eq(state().open, 1);
 }
-END_TEST
 
 /* Before any worker is there, and as after. */
-START_TEST(a_job_of_an_earlier_life_tells_how_far_its_passes_are)
+TEST(a_job_of_an_earlier_life_tells_how_far_its_passes_are)
 {
     struct msg m = passes_submit(&wide, 1);
     struct saved_pass passes[3];
@@ -122,10 +120,9 @@ START_TEST(a_job_of_an_earlier_life_tells_how_far_its_passes_are)
                                 p[0].cost_done / p[0].cost_total, 1e-9);
     }
 }
-END_TEST
 
 /* A tile that is late is made by two; what comes second is dropped. */
-START_TEST(a_late_tile_goes_to_a_second_worker)
+TEST(a_late_tile_goes_to_a_second_worker)
 {
     struct job *job;
 
@@ -145,10 +142,9 @@ START_TEST(a_late_tile_goes_to_a_second_worker)
     ck_assert_uint_eq(job->workers[0].past.dropped.rays, 10);
     tile_rays = 0;
 }
-END_TEST
 
 /* A tick that comes a little early, behind one that came late, counts. */
-START_TEST(a_late_tile_is_seen_at_the_next_tick)
+TEST(a_late_tile_is_seen_at_the_next_tick)
 {
     wait_s(1);
     f.now_ms += 60;
@@ -164,11 +160,10 @@ START_TEST(a_late_tile_is_seen_at_the_next_tick)
     }
     ck_assert(has_tile(SECOND));
 }
-END_TEST
 
 /* A worker of two threads has a third tile while many wait, and not when few
  * do: it may stand behind a dear one. */
-START_TEST(near_the_end_of_a_pass_no_tile_stands_ahead)
+TEST(near_the_end_of_a_pass_no_tile_stands_ahead)
 {
     uint32_t tiles = tiles_of(LAST), out;
 
@@ -186,11 +181,10 @@ START_TEST(near_the_end_of_a_pass_no_tile_stands_ahead)
         made(WORKER, LAST, i, 0);
     }
 }
-END_TEST
 
 /* Of many tiles that are out the one that is out for longest is late first, and
  * a worker that is lost has none, not even of those that another made. */
-START_TEST(the_oldest_tile_is_late_first)
+TEST(the_oldest_tile_is_late_first)
 {
     struct job *job;
 
@@ -217,7 +211,6 @@ START_TEST(the_oldest_tile_is_late_first)
     made(WORKER, LAST, 0, 0);
     ck_assert_uint_le(tiles_out(&job->workers[0]), 3);
 }
-END_TEST
 
 /* A tile with n colours. */
 static void
@@ -248,7 +241,7 @@ fetch_preview(uint64_t conn)
 
 /* From the first look on tiles tell their colours, and there is a preview as
  * soon as those of a pass are there; nobody else pays for that. */
-START_TEST(tiles_tell_their_colours_to_who_watches)
+TEST(tiles_tell_their_colours_to_who_watches)
 {
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
@@ -272,7 +265,6 @@ START_TEST(tiles_tell_their_colours_to_who_watches)
         make_pass(WORKER, pass);
     ck_assert(has_tile(WORKER) && !f.last[WORKER].tile.colours); /* too fine */
 }
-END_TEST
 
 static double
 share_done(void)
@@ -286,7 +278,7 @@ share_done(void)
 
 /* Tiles are most of the work: each brings the job on, whichever pass it is of;
  * one that comes again does not. */
-START_TEST(tiles_count_as_progress)
+TEST(tiles_count_as_progress)
 {
     double done = 0, middle = 0;
 
@@ -307,10 +299,9 @@ START_TEST(tiles_count_as_progress)
     ck_assert_double_gt(done, 1.5 * middle);
     ck_assert_double_lt(done, .95);
 }
-END_TEST
 
 /* What passes took tells what the others will take, but what was told stays. */
-START_TEST(dear_passes_do_not_take_progress_back)
+TEST(dear_passes_do_not_take_progress_back)
 {
     double done = 0, foreseen;
 
@@ -330,9 +321,8 @@ START_TEST(dear_passes_do_not_take_progress_back)
     ck_assert_double_eq_tol(done, foreseen, 1e-9);
     tile_rays = 0;
 }
-END_TEST
 
-START_TEST(colours_that_nobody_wants_are_dropped)
+TEST(colours_that_nobody_wants_are_dropped)
 {
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
@@ -340,13 +330,12 @@ START_TEST(colours_that_nobody_wants_are_dropped)
     ck_assert_uint_eq(f.ncolours, 0);
     ck_assert(!f.closed[WORKER]);
 }
-END_TEST
 
 static const struct {
     uint32_t pass, n;
 } unfit[] = { { 0, 1 }, { 0, 11 }, { 0, 13 }, { 0, 64 }, { 5, 64 } };
 
-START_TEST(colours_that_fit_no_tile_end_the_connection)
+LOOP_TEST(colours_that_fit_no_tile_end_the_connection, N_ELEM(unfit))
 {
     submit_passes(ANA, &wide, 1);
     fetch_preview(ANA);
@@ -357,7 +346,6 @@ START_TEST(colours_that_fit_no_tile_end_the_connection)
     ck_assert(f.closed[WORKER]);
     ck_assert_uint_eq(f.ncolours, 0);
 }
-END_TEST
 
 static bool
 overlap(const struct rad_pass_area *a, const struct rad_pass_area *b)
@@ -401,7 +389,7 @@ first_of(const struct dearest *d, const struct rad_pass *p)
 }
 
 /* Where a pass over pixels took many rays the next begins. */
-START_TEST(the_dearest_place_goes_out_first)
+TEST(the_dearest_place_goes_out_first)
 {
     const struct rad_pass_area spot = { 300, 200, 301, 201 };
     struct rad_pass_area there = spot, is;
@@ -436,10 +424,9 @@ START_TEST(the_dearest_place_goes_out_first)
     ck_assert(dearest_order(d, plan, NULL));
     dearest_free(d);
 }
-END_TEST
 
 /* By two workers' children, or three of one worker's. */
-START_TEST(a_tile_that_brings_children_down_fails_the_job)
+TEST(a_tile_that_brings_children_down_fails_the_job)
 {
     struct msg lost = { .type = MSG_LOST,
                         .lost = { job_a, EX_SOFTWARE, "signal 11", 0, NULL } };
@@ -455,10 +442,9 @@ START_TEST(a_tile_that_brings_children_down_fails_the_job)
                                  "of the ambient cache, brought the renderer "
                                  "down"));
 }
-END_TEST
 
 /* A child that knows passes of an earlier life begins anew. */
-START_TEST(a_worker_that_is_ahead_begins_anew)
+TEST(a_worker_that_is_ahead_begins_anew)
 {
     struct msg m = { .type = MSG_READY, .ready = { job_a, .1, 7, 2, 3 } };
 
@@ -468,10 +454,9 @@ START_TEST(a_worker_that_is_ahead_begins_anew)
     ready(WORKER, job_a);
     ck_assert(has_tile(WORKER));
 }
-END_TEST
 
 /* What no coordinator has memory for, and no message a number. */
-START_TEST(more_tiles_than_there_may_be_are_refused)
+TEST(more_tiles_than_there_may_be_are_refused)
 {
     enum { FRAMES = 3000 }; /* 94 in a batch */
     static struct msg_frame huge[FRAMES];
@@ -486,7 +471,6 @@ START_TEST(more_tiles_than_there_may_be_are_refused)
     ck_assert_ptr_nonnull(
         strstr(f.last[ANA].failed.text, "too much for --ambient=passes"));
 }
-END_TEST
 
 /* Do the first unit that ws1 was given, else the first tile of a worker; false:
  * there is none. */
@@ -514,7 +498,7 @@ work(void)
 
 /* Of an animation the next batch's first pass is closed when all pictures of
  * this batch are done.  A worker that waits for that is free for other jobs. */
-START_TEST(a_worker_leaves_passes_that_wait_for_pictures)
+TEST(a_worker_leaves_passes_that_wait_for_pictures)
 {
     enum { FRAMES = RAD_PASS_BATCH + 1 };
     struct msg_frame walk[FRAMES];
@@ -533,35 +517,4 @@ START_TEST(a_worker_leaves_passes_that_wait_for_pictures)
     ck_assert_uint_gt(f.units[SECOND], 0);
     ck_assert(desk_find_job(f.c, job_a)->filling && w->in_flight == 0);
     ck_assert_ptr_null(w->fills);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_passes");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, units_come_when_all_passes_are_closed);
-    tcase_add_test(tc, a_pass_that_is_closed_goes_to_all);
-    tcase_add_loop_test(tc, what_fits_no_tile_ends_the_connection, 0,
-                        N_ELEM(wrong));
-    tcase_add_test(tc, tiles_of_a_lost_worker_go_to_another);
-    tcase_add_test(tc, a_job_of_an_earlier_life_tells_how_far_its_passes_are);
-    tcase_add_test(tc, a_late_tile_goes_to_a_second_worker);
-    tcase_add_test(tc, a_late_tile_is_seen_at_the_next_tick);
-    tcase_add_test(tc, the_dearest_place_goes_out_first);
-    tcase_add_test(tc, near_the_end_of_a_pass_no_tile_stands_ahead);
-    tcase_add_test(tc, the_oldest_tile_is_late_first);
-    tcase_add_test(tc, tiles_tell_their_colours_to_who_watches);
-    tcase_add_test(tc, tiles_count_as_progress);
-    tcase_add_test(tc, dear_passes_do_not_take_progress_back);
-    tcase_add_test(tc, colours_that_nobody_wants_are_dropped);
-    tcase_add_loop_test(tc, colours_that_fit_no_tile_end_the_connection, 0,
-                        N_ELEM(unfit));
-    tcase_add_test(tc, a_tile_that_brings_children_down_fails_the_job);
-    tcase_add_test(tc, a_worker_that_is_ahead_begins_anew);
-    tcase_add_test(tc, a_worker_leaves_passes_that_wait_for_pictures);
-    tcase_add_test(tc, more_tiles_than_there_may_be_are_refused);
-    return unit_run_case(tc);
 }

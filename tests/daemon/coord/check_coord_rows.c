@@ -4,7 +4,9 @@
 
 #include "coord_fixture.h"
 
-START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
+FIXTURE(set_up, tear_down)
+
+TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
 {
     static const uint32_t order[] = { 1, 0, 3, 2 };
     struct msg m = {
@@ -24,7 +26,6 @@ START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
     ck_assert_uint_eq(f.progress.nan.pixels, 6);
     ck_assert_uint_eq(f.progress.nan.y, 6);
 }
-END_TEST
 
 static const struct {
     uint8_t partition;
@@ -36,7 +37,7 @@ static const struct {
     { MSG_PART_AUTO, MSG_JOB_DEPTH | MSG_JOB_CODED, MSG_JOB_DEPTH },
 };
 
-START_TEST(rows_come_coded_unless_distances_do)
+LOOP_TEST(rows_come_coded_unless_distances_do, N_ELEM(codings))
 {
     struct msg m = usual_submit(job_a);
 
@@ -47,7 +48,6 @@ START_TEST(rows_come_coded_unless_distances_do)
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
     ck_assert_uint_eq(f.last[WORKER].job_start.flags, codings[_i].started);
 }
-END_TEST
 
 static const struct {
     const char *code;
@@ -67,7 +67,7 @@ static const struct {
     { NULL, 0, 1, 4, false },
 };
 
-START_TEST(coded_rows_that_are_none_end_the_connection)
+LOOP_TEST(coded_rows_that_are_none_end_the_connection, N_ELEM(coded_rows))
 {
     struct msg m = usual_submit(job_a);
     struct msg r = { .type = MSG_RESULT,
@@ -87,7 +87,6 @@ START_TEST(coded_rows_that_are_none_end_the_connection)
     ck_assert(f.closed[WORKER] == !coded_rows[_i].taken);
     ck_assert(!coded_rows[_i].taken || f.last[WORKER].type == MSG_ACK);
 }
-END_TEST
 
 static void
 tally(double busy_s, double wait_s, uint64_t rays)
@@ -101,7 +100,7 @@ tally(double busy_s, double wait_s, uint64_t rays)
     say(WORKER, &m);
 }
 
-START_TEST(waits_for_the_line_above_are_summed_over_children)
+TEST(waits_for_the_line_above_are_summed_over_children)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -112,9 +111,8 @@ START_TEST(waits_for_the_line_above_are_summed_over_children)
     ck_assert_double_eq(worker_stat("wait_base_line_s"), 2.75);
     ck_assert_double_eq(worker_stat("busy_s"), 6.25);
 }
-END_TEST
 
-START_TEST(what_was_counted_for_an_earlier_job_of_the_id_is_not_this_jobs)
+TEST(what_was_counted_for_an_earlier_job_of_the_id_is_not_this_jobs)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -128,7 +126,6 @@ START_TEST(what_was_counted_for_an_earlier_job_of_the_id_is_not_this_jobs)
     tally(1, 0, 0);
     ck_assert_double_eq(worker_stat("busy_s"), 1);
 }
-END_TEST
 
 /* The first worker's row in the list of workers. */
 static json_t *
@@ -152,7 +149,7 @@ number(const json_t *o, const char *key)
     return json_number_value(json_object_get(o, key));
 }
 
-START_TEST(a_worker_s_row_has_what_open_jobs_have_of_it)
+TEST(a_worker_s_row_has_what_open_jobs_have_of_it)
 {
     struct msg ping = { .type = MSG_PING, .ping = { 1, 325 } };
     struct msg t = { .type = MSG_TALLY,
@@ -193,9 +190,8 @@ START_TEST(a_worker_s_row_has_what_open_jobs_have_of_it)
     ck_assert_double_eq(number(row, "memory"), 0);
     json_decref(row);
 }
-END_TEST
 
-START_TEST(statistics_tell_what_is_in_hand)
+TEST(statistics_tell_what_is_in_hand)
 {
     const struct job *job;
     json_t *root, *list, *one;
@@ -223,9 +219,8 @@ START_TEST(statistics_tell_what_is_in_hand)
     ck_assert_ptr_nonnull(strstr(text, "\"running\": []"));
     free(text);
 }
-END_TEST
 
-START_TEST(rays_under_way_are_told_and_never_fewer)
+TEST(rays_under_way_are_told_and_never_fewer)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -239,7 +234,6 @@ START_TEST(rays_under_way_are_told_and_never_fewer)
         result(WORKER, job_a, u, 1);
     ck_assert_uint_eq(f.progress.rays, 40);
 }
-END_TEST
 
 /* The share that is done as it is told. */
 static double
@@ -259,7 +253,7 @@ tally_pixels(uint64_t pixels_under_way)
                                   .pixels_under_way = pixels_under_way } });
 }
 
-START_TEST(the_share_that_is_done_tells_of_units_under_way)
+TEST(the_share_that_is_done_tells_of_units_under_way)
 {
     double all;
 
@@ -282,7 +276,6 @@ START_TEST(the_share_that_is_done_tells_of_units_under_way)
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
     ck_assert_double_eq(f.progress.cost_done, f.progress.cost_total);
 }
-END_TEST
 
 /* What ws1 made of unit 0 comes when ws2 was first. */
 static void
@@ -307,7 +300,7 @@ late_twin(const uint8_t *bytes)
     say(WORKER, &m);
 }
 
-START_TEST(a_duplicate_that_differs_is_an_error)
+TEST(a_duplicate_that_differs_is_an_error)
 {
     uint8_t other[sizeof pixels] = { 0 };
 
@@ -316,16 +309,14 @@ START_TEST(a_duplicate_that_differs_is_an_error)
     ck_assert_int_eq(f.differ_logs, 1);
     ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
 }
-END_TEST
 
-START_TEST(a_duplicate_that_does_not_is_none)
+TEST(a_duplicate_that_does_not_is_none)
 {
     late_twin(pixels);
     ck_assert_int_eq(f.differ_logs, 0);
 }
-END_TEST
 
-START_TEST(a_late_result_of_an_old_attempt_is_dropped)
+TEST(a_late_result_of_an_old_attempt_is_dropped)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -337,9 +328,8 @@ START_TEST(a_late_result_of_an_old_attempt_is_dropped)
     ck_assert_int_eq(f.last[6].type, MSG_ACK); /* so that it forgets it */
     ck_assert_int_ne(f.last[ANA].type, MSG_DONE);
 }
-END_TEST
 
-START_TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
+TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -358,10 +348,9 @@ START_TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
     ck_assert_uint_eq(f.last[6].ack.unit, 0);
     ck_assert_uint_eq(f.last[6].ack.rows, 4);
 }
-END_TEST
 
 /* Not when rows of another have. */
-START_TEST(a_frame_has_a_preview_when_rows_of_it_have_come)
+TEST(a_frame_has_a_preview_when_rows_of_it_have_come)
 {
     static const struct msg_frame two[] = { { 0, 8, 8, "" }, { 1, 8, 8, "" } };
     struct msg m = usual_submit(job_a);
@@ -388,41 +377,11 @@ START_TEST(a_frame_has_a_preview_when_rows_of_it_have_come)
         result(WORKER, job_a, unit, 1);
     }
 }
-END_TEST
 
-START_TEST(a_result_that_fits_no_unit_ends_the_connection)
+TEST(a_result_that_fits_no_unit_ends_the_connection)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
     result(WORKER, job_a, 4, 1);
     ck_assert(f.closed[WORKER]);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_rows");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
-    tcase_add_loop_test(tc, rows_come_coded_unless_distances_do, 0,
-                        N_ELEM(codings));
-    tcase_add_loop_test(tc, coded_rows_that_are_none_end_the_connection, 0,
-                        N_ELEM(coded_rows));
-    tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);
-    tcase_add_test(
-        tc, what_was_counted_for_an_earlier_job_of_the_id_is_not_this_jobs);
-    tcase_add_test(tc, a_worker_s_row_has_what_open_jobs_have_of_it);
-    tcase_add_test(tc, statistics_tell_what_is_in_hand);
-    tcase_add_test(tc, rays_under_way_are_told_and_never_fewer);
-    tcase_add_test(tc, the_share_that_is_done_tells_of_units_under_way);
-    tcase_add_test(tc, a_duplicate_that_differs_is_an_error);
-    tcase_add_test(tc, a_duplicate_that_does_not_is_none);
-    tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
-    tcase_add_test(
-        tc, rows_are_acknowledged_on_the_connection_that_the_worker_has_then);
-    tcase_add_test(tc, a_frame_has_a_preview_when_rows_of_it_have_come);
-    tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
-    return unit_run_case(tc);
 }

@@ -74,7 +74,9 @@ static const struct {
 } unsound[] = { { NAN, 0 }, { INFINITY, 0 }, { -INFINITY, 0 },
                 { 1, 1 },   { 1, 8 },        { 1, SUMS_BYTES } };
 
-START_TEST(sums_that_are_no_numbers_end_the_connection)
+FIXTURE(set_up, tear_down)
+
+LOOP_TEST(sums_that_are_no_numbers_end_the_connection, N_ELEM(unsound))
 {
     submit_goal(50000, 0);
     ready(WORKER, job_a);
@@ -84,9 +86,8 @@ START_TEST(sums_that_are_no_numbers_end_the_connection)
     send_sums(WORKER, PASSES, 0, unsound[_i].v, unsound[_i].cut);
     ck_assert(f.closed[WORKER]);
 }
-END_TEST
 
-START_TEST(what_is_far_off_has_another_stage)
+TEST(what_is_far_off_has_another_stage)
 {
     const struct msg_stage *st = &f.last[WORKER].stage;
     struct job *job;
@@ -116,9 +117,8 @@ START_TEST(what_is_far_off_has_another_stage)
     made(SECOND, 3, 0, 1);
     ck_assert(!f.closed[SECOND]);
 }
-END_TEST
 
-START_TEST(what_is_good_enough_has_no_other_stage)
+TEST(what_is_good_enough_has_no_other_stage)
 {
     const struct msg_stage *show = &f.last[WORKER].show;
     struct rad_params own;
@@ -142,10 +142,9 @@ START_TEST(what_is_good_enough_has_no_other_stage)
     wait_s(1);
     ck_assert_uint_gt(f.units[WORKER], 0);
 }
-END_TEST
 
 /* However much that would bring. */
-START_TEST(without_time_there_is_no_other_stage)
+TEST(without_time_there_is_no_other_stage)
 {
     struct job *job;
 
@@ -156,10 +155,9 @@ START_TEST(without_time_there_is_no_other_stage)
     job = desk_find_job(f.c, job_a);
     ck_assert(job->goal.ended && job->goal.late);
 }
-END_TEST
 
 /* Passes that were kept have taken more than a new life's clock has seen. */
-START_TEST(what_passes_took_before_a_restart_counts)
+TEST(what_passes_took_before_a_restart_counts)
 {
     struct job *job;
 
@@ -174,10 +172,9 @@ START_TEST(what_passes_took_before_a_restart_counts)
     tile_rays = 0;
     tile_cpu_s = 0;
 }
-END_TEST
 
 /* Rungs that the clock chose are quarters, and they are kept. */
-START_TEST(a_later_life_takes_up_what_the_clock_chose)
+TEST(a_later_life_takes_up_what_the_clock_chose)
 {
     enum { KEPT = PASSES + 1 };
     uint8_t bytes[STAGES_BYTES];
@@ -211,11 +208,10 @@ START_TEST(a_later_life_takes_up_what_the_clock_chose)
     tile_rays = 0;
     tile_cpu_s = 0;
 }
-END_TEST
 
 /* A child from an earlier life may be at a stage with other options, if the
  * clock chose them. */
-START_TEST(by_the_clock_a_child_of_an_earlier_life_begins_anew)
+LOOP_TEST(by_the_clock_a_child_of_an_earlier_life_begins_anew, 2)
 {
     struct msg m = { .type = MSG_READY, .ready = { job_a, .1, 7, 2, 1 } };
 
@@ -227,23 +223,4 @@ START_TEST(by_the_clock_a_child_of_an_earlier_life_begins_anew)
     desk_find_job(f.c, job_a)->state = JOB_PAUSED;
     say(SECOND, &m);
     ck_assert_int_eq(f.last[SECOND].type, _i ? MSG_JOB_END : MSG_FROZEN);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_stages");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_loop_test(tc, sums_that_are_no_numbers_end_the_connection, 0,
-                        N_ELEM(unsound));
-    tcase_add_test(tc, what_is_far_off_has_another_stage);
-    tcase_add_test(tc, what_is_good_enough_has_no_other_stage);
-    tcase_add_test(tc, without_time_there_is_no_other_stage);
-    tcase_add_test(tc, what_passes_took_before_a_restart_counts);
-    tcase_add_test(tc, a_later_life_takes_up_what_the_clock_chose);
-    tcase_add_loop_test(tc, by_the_clock_a_child_of_an_earlier_life_begins_anew,
-                        0, 2);
-    return unit_run_case(tc);
 }

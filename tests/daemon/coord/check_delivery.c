@@ -38,6 +38,8 @@ set_up_long(void)
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
 }
 
+FIXTURE(set_up_long, tear_down)
+
 static void
 ask(uint64_t conn)
 {
@@ -145,7 +147,7 @@ texts_pile_up(void)
 }
 
 /* Nobody waits while a MiB of them is packed. */
-START_TEST(long_statistics_are_told_in_pieces)
+TEST(long_statistics_are_told_in_pieces)
 {
     struct msg_chunk last = { 0 };
     unsigned before;
@@ -164,9 +166,8 @@ START_TEST(long_statistics_are_told_in_pieces)
     ck_assert_uint_gt(last.total, 1 << 20);
     ck_assert(has_all(ANA));
 }
-END_TEST
 
-START_TEST(a_tick_has_the_same_to_do_however_many_wait)
+LOOP_TEST(a_tick_has_the_same_to_do_however_many_wait, 2)
 {
     unsigned before;
     uint64_t pieces;
@@ -183,9 +184,8 @@ START_TEST(a_tick_has_the_same_to_do_however_many_wait)
     }
     ticks_until(FIRST, MANY);
 }
-END_TEST
 
-START_TEST(a_user_with_many_connections_holds_up_no_other)
+TEST(a_user_with_many_connections_holds_up_no_other)
 {
     int alone;
 
@@ -196,10 +196,9 @@ START_TEST(a_user_with_many_connections_holds_up_no_other)
     ask(ADMIN);
     ck_assert_int_le(ticks_until(ADMIN, 1), alone + 1);
 }
-END_TEST
 
 /* The same where many of the texts are made and wait to be sent. */
-START_TEST(a_user_with_many_texts_holds_up_no_other)
+TEST(a_user_with_many_texts_holds_up_no_other)
 {
     struct coord_limits limits = f.c->limits;
     unsigned making;
@@ -216,9 +215,8 @@ START_TEST(a_user_with_many_texts_holds_up_no_other)
     ck_assert_int_le(ticks_until(ADMIN, 1), alone + 1);
     ck_assert_uint_gt(texts_wait(&making), 0);
 }
-END_TEST
 
-START_TEST(what_nobody_reads_is_not_made)
+TEST(what_nobody_reads_is_not_made)
 {
     unsigned making, before;
 
@@ -233,9 +231,8 @@ START_TEST(what_nobody_reads_is_not_made)
     f.crammed = false;
     ticks_until(FIRST, MANY);
 }
-END_TEST
 
-START_TEST(what_is_made_and_not_read_has_a_bound)
+TEST(what_is_made_and_not_read_has_a_bound)
 {
     struct coord_limits limits = f.c->limits;
     size_t one, most = 0;
@@ -264,10 +261,9 @@ START_TEST(what_is_made_and_not_read_has_a_bound)
     ask(ANA);
     ticks_until(ANA, 1);
 }
-END_TEST
 
 /* While it waited for its turn the job came to be only on the disk. */
-START_TEST(the_store_tells_of_a_job_that_was_filed_meanwhile)
+TEST(the_store_tells_of_a_job_that_was_filed_meanwhile)
 {
     const struct action_list *l = coord_actions(f.c);
     unsigned fetched = 0;
@@ -285,21 +281,4 @@ START_TEST(the_store_tells_of_a_job_that_was_filed_meanwhile)
                    l->v[i].what == MSG_WHAT_STATS && l->v[i].request == 6;
     ck_assert_uint_eq(fetched, 1);
     carry_out();
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("delivery");
-
-    tcase_add_checked_fixture(tc, set_up_long, tear_down);
-    tcase_add_test(tc, long_statistics_are_told_in_pieces);
-    tcase_add_loop_test(tc, a_tick_has_the_same_to_do_however_many_wait, 0, 2);
-    tcase_add_test(tc, a_user_with_many_connections_holds_up_no_other);
-    tcase_add_test(tc, a_user_with_many_texts_holds_up_no_other);
-    tcase_add_test(tc, what_nobody_reads_is_not_made);
-    tcase_add_test(tc, what_is_made_and_not_read_has_a_bound);
-    tcase_add_test(tc, the_store_tells_of_a_job_that_was_filed_meanwhile);
-    return unit_run_case(tc);
 }

@@ -14,6 +14,8 @@ release(void)
     known_release(&k);
 }
 
+FIXTURE(NULL, release)
+
 /* As hashes are: different from the first byte on. */
 static const uint8_t *
 nth(uint32_t i)
@@ -26,7 +28,7 @@ nth(uint32_t i)
     return hash;
 }
 
-START_TEST(all_that_were_sent_are_known_and_no_others)
+TEST(all_that_were_sent_are_known_and_no_others)
 {
     for (uint32_t i = 0; i < 5000; i++)
         ck_assert(known_sent(&k, 1, nth(i)));
@@ -35,9 +37,8 @@ START_TEST(all_that_were_sent_are_known_and_no_others)
     for (uint32_t i = 0; i < 10000; i++)
         ck_assert_int_eq(known_has(&k, nth(i)), i < 5000);
 }
-END_TEST
 
-START_TEST(they_expire_by_themselves_and_not_while_jobs_name_them)
+TEST(they_expire_by_themselves_and_not_while_jobs_name_them)
 {
     uint8_t named[2 * MSG_HASH];
     const struct msg_hashes files = { 2, named };
@@ -61,9 +62,8 @@ START_TEST(they_expire_by_themselves_and_not_while_jobs_name_them)
     known_expire(&k, 1001);
     ck_assert_uint_eq(k.n, 0);
 }
-END_TEST
 
-START_TEST(whoever_sends_without_end_has_a_bound)
+TEST(whoever_sends_without_end_has_a_bound)
 {
     uint32_t last = 3 * KNOWN_MOST;
 
@@ -74,27 +74,12 @@ START_TEST(whoever_sends_without_end_has_a_bound)
     ck_assert(known_has(&k, nth(last - 1)));
     ck_assert(!known_has(&k, nth(0)));
 }
-END_TEST
 
 /* All in a moment: no age tells them apart. */
-START_TEST(whoever_sends_all_at_once_has_a_bound_too)
+TEST(whoever_sends_all_at_once_has_a_bound_too)
 {
     for (uint32_t i = 0; i < 2 * KNOWN_MOST; i++) {
         ck_assert(known_sent(&k, 5, nth(i)));
         ck_assert_uint_le(k.nfree, KNOWN_MOST);
     }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("known");
-
-    tcase_add_checked_fixture(tc, NULL, release);
-    tcase_add_test(tc, all_that_were_sent_are_known_and_no_others);
-    tcase_add_test(tc, they_expire_by_themselves_and_not_while_jobs_name_them);
-    tcase_add_test(tc, whoever_sends_without_end_has_a_bound);
-    tcase_add_test(tc, whoever_sends_all_at_once_has_a_bound_too);
-    return unit_run_case(tc);
 }

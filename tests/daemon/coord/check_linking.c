@@ -84,16 +84,17 @@ static const struct {
     int last;   /* with how many of them the last is linked */
 } live[] = { { 2, 1 }, { 64, 63 }, { 65, 64 }, { 200, 199 }, { 270, 256 } };
 
-START_TEST(records_go_to_all_at_once)
+FIXTURE(set_up, tear_down)
+
+LOOP_TEST(records_go_to_all_at_once, N_ELEM(live))
 {
     begin_job(MSG_JOB_SHARE);
     come(live[_i].n);
     ck_assert_int_eq(f.peers[FIRST + live[_i].n - 1], live[_i].last);
 }
-END_TEST
 
 /* Two workers of which neither can be dialled take no links from others. */
-START_TEST(a_link_that_cannot_be_ends_no_other)
+TEST(a_link_that_cannot_be_ends_no_other)
 {
     begin_job(0);
     come_of_which(90, 88);
@@ -107,10 +108,9 @@ START_TEST(a_link_that_cannot_be_ends_no_other)
     ck_assert_int_eq(f.peers[FIRST + 89], 16);
     ck_assert_int_eq(f.peers[FIRST + 70], 2);
 }
-END_TEST
 
 /* The oldest link makes way for the 17th. */
-START_TEST(those_are_linked_that_need_it)
+TEST(those_are_linked_that_need_it)
 {
     begin_job(0);
     come(90);
@@ -127,9 +127,8 @@ START_TEST(those_are_linked_that_need_it)
     need(71, 70); /* it has gone, so this is new */
     ck_assert_int_eq(f.peers[FIRST + 71], 3);
 }
-END_TEST
 
-START_TEST(links_of_a_worker_that_left_are_made_anew)
+TEST(links_of_a_worker_that_left_are_made_anew)
 {
     struct job *job;
 
@@ -142,18 +141,4 @@ START_TEST(links_of_a_worker_that_left_are_made_anew)
     memset(f.peers, 0, sizeof f.peers);
     need(70, 71);
     ck_assert_int_eq(f.peers[FIRST + 70], 1);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("linking");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_loop_test(tc, records_go_to_all_at_once, 0, N_ELEM(live));
-    tcase_add_test(tc, a_link_that_cannot_be_ends_no_other);
-    tcase_add_test(tc, those_are_linked_that_need_it);
-    tcase_add_test(tc, links_of_a_worker_that_left_are_made_anew);
-    return unit_run_case(tc);
 }

@@ -74,7 +74,9 @@ many_jobs(void)
         make_job(i, i % 2 ? ANA : BOB);
 }
 
-START_TEST(all_jobs_come_newest_first)
+FIXTURE(set_up, tear_down)
+
+TEST(all_jobs_come_newest_first)
 {
     static const uint32_t most[] = { 0, 7, 1000000 };
     json_t *all;
@@ -90,7 +92,6 @@ START_TEST(all_jobs_come_newest_first)
         json_decref(all);
     }
 }
-END_TEST
 
 static const struct {
     const char *user, *state;
@@ -108,7 +109,7 @@ static const struct {
     { "", "done", 0, 0 },
 };
 
-START_TEST(rows_are_those_asked_for)
+TEST(rows_are_those_asked_for)
 {
     json_t *all;
 
@@ -124,7 +125,6 @@ START_TEST(rows_are_those_asked_for)
         json_decref(all);
     }
 }
-END_TEST
 
 /* A new job, and one that is forgotten: the ones that were told last. */
 static void
@@ -137,7 +137,7 @@ stir(int page)
     carry_out();
 }
 
-START_TEST(jobs_that_stay_come_once_whatever_else_comes_and_goes)
+TEST(jobs_that_stay_come_once_whatever_else_comes_and_goes)
 {
     json_t *all;
     size_t n;
@@ -159,10 +159,9 @@ START_TEST(jobs_that_stay_come_once_whatever_else_comes_and_goes)
     }
     json_decref(all);
 }
-END_TEST
 
 /* Names that are all escapes: pages have a bound in bytes, too. */
-START_TEST(long_rows_make_short_pages)
+TEST(long_rows_make_short_pages)
 {
     char name[2001];
     json_t *all;
@@ -180,11 +179,10 @@ START_TEST(long_rows_make_short_pages)
     ck_assert_uint_eq(json_array_size(all), 500);
     json_decref(all);
 }
-END_TEST
 
 /* QUERY asks for the whole list: an answer that is too long for a message is
  * not made. */
-START_TEST(a_whole_list_that_is_too_long_is_refused)
+TEST(a_whole_list_that_is_too_long_is_refused)
 {
     struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOBS, "" } };
 
@@ -196,9 +194,8 @@ START_TEST(a_whole_list_that_is_too_long_is_refused)
     say(ANA, &m);
     ck_assert_int_eq(f.last[ANA].type, MSG_ANSWER);
 }
-END_TEST
 
-START_TEST(workers_come_in_pages)
+TEST(workers_come_in_pages)
 {
     char name[20];
     json_t *all;
@@ -224,7 +221,6 @@ START_TEST(workers_come_in_pages)
     ck_assert_uint_eq(json_array_size(all), 3000);
     json_decref(all);
 }
-END_TEST
 
 /* The status of what was last refused; 0: it was not. */
 static int
@@ -237,7 +233,7 @@ status_for(uint64_t conn)
 
 /* What the store was still at for a job is nothing to the next one of its id.
  */
-START_TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
+TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
 {
     struct action_rows rows = { .unit = 5, .frame = 7, .rows = 1, .width = 8 };
     uint64_t gone;
@@ -257,11 +253,10 @@ START_TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
     ck_assert(!job_over(desk_find_job(f.c, job_a)));
     ck_assert_uint_eq(desk_find_job(f.c, job_a)->frames_ready, 0);
 }
-END_TEST
 
 /* Likewise its opening, which fails when it was cancelled before it had room,
  * and its end. */
-START_TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
+TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
 {
     struct job *job;
     uint64_t gone;
@@ -284,9 +279,8 @@ START_TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
     coord_job_opened(f.c, f.now_ms, job_a, job->sequence, 0, "");
     ck_assert(job->stage == STAGE_OPEN);
 }
-END_TEST
 
-START_TEST(owner_and_admin_delete_a_job_that_is_over)
+TEST(owner_and_admin_delete_a_job_that_is_over)
 {
     submit(ANA, job_a, 0);
     submit(ANA, job_b, 0);
@@ -306,7 +300,6 @@ START_TEST(owner_and_admin_delete_a_job_that_is_over)
     about(ADMIN, MSG_DELETE, job_b);
     ck_assert_int_eq(status_for(ADMIN), EX_NOINPUT);
 }
-END_TEST
 
 static void
 forget(const char *name)
@@ -356,7 +349,7 @@ static const struct {
       "somebody uses the machine (idle_only of its radd.conf)", NULL },
 };
 
-START_TEST(a_worker_that_gets_no_work_says_why)
+LOOP_TEST(a_worker_that_gets_no_work_says_why, N_ELEM(leaves))
 {
     struct msg drain = { .type = MSG_DRAIN,
                          .drain = { "ws2", leaves[_i].why } };
@@ -374,9 +367,8 @@ START_TEST(a_worker_that_gets_no_work_says_why)
     }
     expect_away("gone", leaves[_i].word, gone ? gone : leaves[_i].note);
 }
-END_TEST
 
-START_TEST(a_worker_that_is_gone_is_forgotten)
+TEST(a_worker_that_is_gone_is_forgotten)
 {
     struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
 
@@ -395,10 +387,9 @@ START_TEST(a_worker_that_is_gone_is_forgotten)
     say(ADMIN, &drain);
     ck_assert_int_eq(status_for(ADMIN), EX_NOINPUT);
 }
-END_TEST
 
 /* A job that is kept says who worked on it, as long as it is. */
-START_TEST(a_forgotten_worker_of_a_job_goes_with_that)
+TEST(a_forgotten_worker_of_a_job_goes_with_that)
 {
     submit(ANA, job_a, 0);
     join(SECOND, MSG_ROLE_WORKER, "ws2", "");
@@ -416,28 +407,4 @@ START_TEST(a_forgotten_worker_of_a_job_goes_with_that)
     about(ANA, MSG_CANCEL, job_a);
     about(ANA, MSG_DELETE, job_a);
     ck_assert_ptr_null(f.c->workers->next);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("listing");
-
-    tcase_set_timeout(tc, 120);
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, all_jobs_come_newest_first);
-    tcase_add_test(tc, rows_are_those_asked_for);
-    tcase_add_test(tc, jobs_that_stay_come_once_whatever_else_comes_and_goes);
-    tcase_add_test(tc, long_rows_make_short_pages);
-    tcase_add_test(tc, a_whole_list_that_is_too_long_is_refused);
-    tcase_add_test(tc, workers_come_in_pages);
-    tcase_add_test(tc, a_deleted_jobs_rows_and_pictures_are_not_the_next_ones);
-    tcase_add_test(tc, a_deleted_jobs_opening_and_end_are_not_the_next_ones);
-    tcase_add_test(tc, owner_and_admin_delete_a_job_that_is_over);
-    tcase_add_loop_test(tc, a_worker_that_gets_no_work_says_why, 0,
-                        N_ELEM(leaves));
-    tcase_add_test(tc, a_worker_that_is_gone_is_forgotten);
-    tcase_add_test(tc, a_forgotten_worker_of_a_job_goes_with_that);
-    return unit_run_case(tc);
 }

@@ -54,7 +54,7 @@ name_of(uid_t uid, char name[OWNER_TEXT])
         snprintf(name, OWNER_TEXT, "uid:%ld", (long)uid);
 }
 
-START_TEST(socket_gives_the_login)
+TEST(socket_gives_the_login)
 {
     char mine[OWNER_TEXT];
     struct seen seen = { 0 };
@@ -83,9 +83,8 @@ START_TEST(socket_gives_the_login)
     owners_free(o);
     ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
-END_TEST
 
-START_TEST(those_that_wait_are_bounded_and_closed_at_the_end)
+TEST(those_that_wait_are_bounded_and_closed_at_the_end)
 {
     struct seen seen = { 0 };
     uv_loop_t loop;
@@ -106,7 +105,6 @@ START_TEST(those_that_wait_are_bounded_and_closed_at_the_end)
     for (int i = 0; i < MOST; i++)
         close(other[i]);
 }
-END_TEST
 
 /* nobody has uid 0 but root, and these logins are on no machine of ours */
 static const struct {
@@ -124,7 +122,7 @@ static const struct {
     { MSG_ROLE_ADMIN, "mail", "admin:mail" },
 };
 
-START_TEST(key_gives_the_login_that_it_is_for)
+LOOP_TEST(key_gives_the_login_that_it_is_for, N_ELEM(keys))
 {
     uv_loop_t loop;
     struct owners *o;
@@ -140,9 +138,8 @@ START_TEST(key_gives_the_login_that_it_is_for)
     owners_free(o);
     uv_loop_close(&loop);
 }
-END_TEST
 
-START_TEST(users_key_is_not_the_daemons_own_user)
+TEST(users_key_is_not_the_daemons_own_user)
 {
     char mine[OWNER_TEXT], owner[OWNER_TEXT], want[2 * OWNER_TEXT];
     struct key k = { .role = MSG_ROLE_USER };
@@ -159,7 +156,6 @@ START_TEST(users_key_is_not_the_daemons_own_user)
     owners_free(o);
     uv_loop_close(&loop);
 }
-END_TEST
 
 static const struct {
     const char *map;
@@ -178,13 +174,12 @@ static const struct {
     { "a=uid:0", RAD_EUSAGE },
 };
 
-START_TEST(map_is_checked)
+LOOP_TEST(map_is_checked, N_ELEM(maps))
 {
     ck_assert_int_eq(owners_check_map(maps[_i].map, NULL), maps[_i].rc);
 }
-END_TEST
 
-START_TEST(owner_of_before_is_the_login)
+TEST(owner_of_before_is_the_login)
 {
     char mine[OWNER_TEXT], saved[OWNER_TEXT], owner[OWNER_TEXT];
 
@@ -202,20 +197,4 @@ START_TEST(owner_of_before_is_the_login)
     ck_assert_str_eq(owner, "uid:4294967299");
     owners_of_saved("uid:4000000000", owner); /* nobody's */
     ck_assert_str_eq(owner, "uid:4000000000");
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("owner");
-
-    tcase_add_test(tc, socket_gives_the_login);
-    tcase_add_test(tc, those_that_wait_are_bounded_and_closed_at_the_end);
-    tcase_add_loop_test(tc, key_gives_the_login_that_it_is_for, 0,
-                        N_ELEM(keys));
-    tcase_add_test(tc, users_key_is_not_the_daemons_own_user);
-    tcase_add_loop_test(tc, map_is_checked, 0, N_ELEM(maps));
-    tcase_add_test(tc, owner_of_before_is_the_login);
-    return unit_run_case(tc);
 }

@@ -42,6 +42,8 @@ set_up_few(void)
     carry_out();
 }
 
+FIXTURE(set_up_few, tear_down)
+
 static void
 expect_refused(uint64_t conn, int status, const char *limit)
 {
@@ -59,7 +61,7 @@ job_id(int i)
     return id;
 }
 
-START_TEST(jobs_of_one_user_are_limited_and_not_those_of_another)
+TEST(jobs_of_one_user_are_limited_and_not_those_of_another)
 {
     submit(EVE, job_id(0), 0);
     submit(EVE_TOO, job_id(1), 0);
@@ -74,7 +76,6 @@ START_TEST(jobs_of_one_user_are_limited_and_not_those_of_another)
     submit(EVE, job_id(2), 0);
     ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
 }
-END_TEST
 
 static void
 submit_frames(uint64_t conn, const uint8_t *job, const struct msg_frame *frames,
@@ -89,7 +90,7 @@ submit_frames(uint64_t conn, const uint8_t *job, const struct msg_frame *frames,
 }
 
 /* A job that no place would help keeps none. */
-START_TEST(who_meets_another_limit_is_not_in_line)
+TEST(who_meets_another_limit_is_not_in_line)
 {
     enum { LATER = EVE_TOO + 1 };
     static const struct msg_frame many[4] = {
@@ -110,9 +111,8 @@ START_TEST(who_meets_another_limit_is_not_in_line)
     submit(LATER, job_id(2), 0);
     ck_assert_int_eq(f.last[LATER].type, MSG_ACCEPT);
 }
-END_TEST
 
-START_TEST(frames_and_bytes_are_limited_too)
+TEST(frames_and_bytes_are_limited_too)
 {
     static const struct msg_frame many[4] = {
         { 0, 8, 8, "" }, { 1, 8, 8, "" }, { 2, 8, 8, "" }, { 3, 8, 8, "" }
@@ -137,7 +137,6 @@ START_TEST(frames_and_bytes_are_limited_too)
     submit_frames(EVE, job_id(3), many, 1);
     expect_refused(EVE, EX_DATAERR, "limit user_mib");
 }
-END_TEST
 
 static void
 send_chunk(uint64_t conn, uint8_t file, uint64_t offset, uint64_t total)
@@ -184,7 +183,7 @@ used(uint64_t conn, const char *limit)
 }
 
 /* Of jobs that are submitted again and again none has to wait for ever. */
-START_TEST(whose_job_was_refused_comes_before_who_comes_later)
+TEST(whose_job_was_refused_comes_before_who_comes_later)
 {
     enum { LATER = EVE_TOO + 1, MALLORY };
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
@@ -219,7 +218,6 @@ START_TEST(whose_job_was_refused_comes_before_who_comes_later)
     submit(LATER, job_id(5), 0);
     ck_assert_int_eq(f.last[LATER].type, MSG_ACCEPT);
 }
-END_TEST
 
 static void
 submit_windows(const uint8_t *job, const struct msg_frame *picture, uint32_t n)
@@ -232,7 +230,7 @@ submit_windows(const uint8_t *job, const struct msg_frame *picture, uint32_t n)
     say(EVE, &m);
 }
 
-START_TEST(many_windows_count_as_frames)
+TEST(many_windows_count_as_frames)
 {
     static const struct msg_frame tiny = { 0, 2, 5, "" },
                                   small = { 0, 64, 64, "" };
@@ -250,10 +248,9 @@ START_TEST(many_windows_count_as_frames)
     ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
     ck_assert_int_eq(used(EVE, "user_frames"), 3);
 }
-END_TEST
 
 /* A line takes memory however few columns it has. */
-START_TEST(high_frames_count_as_several)
+TEST(high_frames_count_as_several)
 {
     static const struct msg_frame high = { 0, 1, 4096, "" },
                                   usual = { 0, 1, 2047, "" };
@@ -267,9 +264,8 @@ START_TEST(high_frames_count_as_several)
     ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
     ck_assert_int_eq(used(EVE, "user_frames"), 1);
 }
-END_TEST
 
-START_TEST(files_on_their_way_are_limited_by_number_and_bytes)
+TEST(files_on_their_way_are_limited_by_number_and_bytes)
 {
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
     unsigned before;
@@ -296,10 +292,9 @@ START_TEST(files_on_their_way_are_limited_by_number_and_bytes)
     send_chunk(EVE, 9, 0, 1000);
     ck_assert_int_eq(used(EVE, "user_uploads"), 1);
 }
-END_TEST
 
 /* And then they are forgotten, and the store removes them. */
-START_TEST(files_that_no_job_names_count_for_a_while)
+TEST(files_that_no_job_names_count_for_a_while)
 {
     size_t n;
 
@@ -318,11 +313,10 @@ START_TEST(files_that_no_job_names_count_for_a_while)
     free(coord_files(f.c, &n));
     ck_assert_uint_eq(n, 1);
 }
-END_TEST
 
 /* A scene that takes longer than upload_s to come: files that came first, and
  * files that were here before it was offered, stay until its job names them. */
-START_TEST(no_file_is_forgotten_while_others_of_its_offer_come)
+TEST(no_file_is_forgotten_while_others_of_its_offer_come)
 {
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
     const struct coord_owner *eve = desk_owner(f.c, "eve");
@@ -347,10 +341,9 @@ START_TEST(no_file_is_forgotten_while_others_of_its_offer_come)
     free(coord_files(f.c, &n));
     ck_assert_uint_eq(n, 1);
 }
-END_TEST
 
 /* So an upload goes on over a line that breaks now and then. */
-START_TEST(files_that_are_offered_again_wait_anew)
+TEST(files_that_are_offered_again_wait_anew)
 {
     static const uint8_t seven[MSG_HASH] = { 7 };
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, seven } };
@@ -369,9 +362,8 @@ START_TEST(files_that_are_offered_again_wait_anew)
     wait_s(UPLOAD_MS / 2000 + 2);
     ck_assert_int_eq(used(ADMIN, "user_upload_mib"), 0);
 }
-END_TEST
 
-START_TEST(who_sends_and_stops_is_let_go)
+TEST(who_sends_and_stops_is_let_go)
 {
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
 
@@ -382,10 +374,9 @@ START_TEST(who_sends_and_stops_is_let_go)
     wait_s(UPLOAD_MS / 2000 + 2);
     ck_assert(f.closed[EVE] && !f.closed[EVE_TOO]);
 }
-END_TEST
 
 /* So a queue of them is not full for ever. */
-START_TEST(a_job_whose_files_do_not_come_fails)
+TEST(a_job_whose_files_do_not_come_fails)
 {
     f.have = false;
     submit(EVE, job_a, 0);
@@ -396,10 +387,9 @@ START_TEST(a_job_whose_files_do_not_come_fails)
                    "files of the scene did not come for 60 s");
     ck_assert_int_eq(used(EVE, "user_jobs"), 0);
 }
-END_TEST
 
 /* Nobody can send what there is no room for. */
-START_TEST(a_full_disk_does_not_count)
+TEST(a_full_disk_does_not_count)
 {
     f.have = false;
     submit(EVE, job_a, 0);
@@ -408,9 +398,8 @@ START_TEST(a_full_disk_does_not_count)
     wait_s(2 * UPLOAD_MS / 1000);
     ck_assert_int_ne(f.last[EVE].type, MSG_FAILED);
 }
-END_TEST
 
-START_TEST(answers_that_wait_for_the_disk_are_limited)
+TEST(answers_that_wait_for_the_disk_are_limited)
 {
     submit(EVE, job_a, 0);
     f.stuck = true;
@@ -425,9 +414,8 @@ START_TEST(answers_that_wait_for_the_disk_are_limited)
     about(EVE, MSG_PAUSE, job_a);
     ck_assert_int_ne(f.last[EVE].type, MSG_FAILED);
 }
-END_TEST
 
-START_TEST(connections_are_limited)
+TEST(connections_are_limited)
 {
     join_plain(EVE_TOO + 1, "eve");
     ck_assert_int_eq(f.last[EVE_TOO + 1].type, MSG_REFUSE);
@@ -437,9 +425,8 @@ START_TEST(connections_are_limited)
     join_plain(EVE_TOO + 2, "mallory");
     ck_assert_int_eq(f.last[EVE_TOO + 2].type, MSG_WELCOME);
 }
-END_TEST
 
-START_TEST(what_another_user_has_is_for_administrators)
+TEST(what_another_user_has_is_for_administrators)
 {
     struct msg m = { .type = MSG_QUERY,
                      .query = { .what = MSG_QUERY_LIMITS, .text = "ana" } };
@@ -451,30 +438,4 @@ START_TEST(what_another_user_has_is_for_administrators)
     submit(EVE, job_a, 0);
     ck_assert_int_eq(used(ADMIN, "user_jobs"), 1);
     ck_assert_int_eq(used(EVE, "user_frames"), 1);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("quota");
-
-    tcase_add_checked_fixture(tc, set_up_few, tear_down);
-    tcase_add_test(tc, jobs_of_one_user_are_limited_and_not_those_of_another);
-    tcase_add_test(tc, whose_job_was_refused_comes_before_who_comes_later);
-    tcase_add_test(tc, who_meets_another_limit_is_not_in_line);
-    tcase_add_test(tc, many_windows_count_as_frames);
-    tcase_add_test(tc, high_frames_count_as_several);
-    tcase_add_test(tc, frames_and_bytes_are_limited_too);
-    tcase_add_test(tc, files_on_their_way_are_limited_by_number_and_bytes);
-    tcase_add_test(tc, files_that_no_job_names_count_for_a_while);
-    tcase_add_test(tc, no_file_is_forgotten_while_others_of_its_offer_come);
-    tcase_add_test(tc, files_that_are_offered_again_wait_anew);
-    tcase_add_test(tc, who_sends_and_stops_is_let_go);
-    tcase_add_test(tc, a_job_whose_files_do_not_come_fails);
-    tcase_add_test(tc, a_full_disk_does_not_count);
-    tcase_add_test(tc, answers_that_wait_for_the_disk_are_limited);
-    tcase_add_test(tc, connections_are_limited);
-    tcase_add_test(tc, what_another_user_has_is_for_administrators);
-    return unit_run_case(tc);
 }

@@ -108,9 +108,11 @@ set_up_kept(void)
     set_up_coord(true);
 }
 
+FIXTURE(set_up_kept, tear_down)
+
 /* --- which one --- */
 
-START_TEST(a_job_that_is_done_leaves_its_cache)
+TEST(a_job_that_is_done_leaves_its_cache)
 {
     whole_job(job_a);
     ck_assert_uint_eq(find(job_a)->cache.bytes, PASSES * AMBSHARE_BYTES);
@@ -122,9 +124,8 @@ START_TEST(a_job_that_is_done_leaves_its_cache)
     render(job_a, 0, 1);
     ck_assert_uint_eq(find(job_a)->cache.bytes, 0);
 }
-END_TEST
 
-START_TEST(the_job_that_was_asked_for_is_begun_with)
+TEST(the_job_that_was_asked_for_is_begun_with)
 {
     whole_job(job_a);
     whole_job(job_b);
@@ -133,18 +134,16 @@ START_TEST(the_job_that_was_asked_for_is_begun_with)
     ck_assert_mem_eq(f.last[ANA].accept.reuse, job_a, MSG_JOB);
     ck_assert_mem_eq(find(job_c)->spec.reuse, job_a, MSG_JOB);
 }
-END_TEST
 
-START_TEST(the_last_is_the_one_that_ended_last)
+TEST(the_last_is_the_one_that_ended_last)
 {
     whole_job(job_b);
     whole_job(job_a);
     submit_job(ANA, job_c, last);
     ck_assert_mem_eq(f.last[ANA].accept.reuse, job_a, MSG_JOB);
 }
-END_TEST
 
-START_TEST(without_a_last_one_that_fits_a_job_begins_with_nothing)
+TEST(without_a_last_one_that_fits_a_job_begins_with_nothing)
 {
     submit_job(ANA, job_c, last);
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
@@ -152,7 +151,6 @@ START_TEST(without_a_last_one_that_fits_a_job_begins_with_nothing)
     ck_assert(!(find(job_c)->spec.flags & MSG_JOB_REUSE));
     ck_assert_ptr_null(find(job_c)->spec.reuse);
 }
-END_TEST
 
 static const struct {
     const char *params;
@@ -180,7 +178,7 @@ static const struct {
     { "-ab 1", scene, ADMIN, false, EX_NOPERM, "another user" },
 };
 
-START_TEST(only_what_decides_about_records_must_be_equal)
+LOOP_TEST(only_what_decides_about_records_must_be_equal, N_ELEM(fits))
 {
     struct msg m = submit_of(job_c, job_a);
 
@@ -203,7 +201,6 @@ START_TEST(only_what_decides_about_records_must_be_equal)
     ck_assert_int_eq(f.last[fits[_i].conn].type, MSG_ACCEPT);
     ck_assert(!(find(job_c)->spec.flags & MSG_JOB_REUSE));
 }
-END_TEST
 
 static void
 refused(int status, const char *text)
@@ -215,7 +212,7 @@ refused(int status, const char *text)
                   "%d: %s", f.last[ANA].failed.status, f.last[ANA].failed.text);
 }
 
-START_TEST(a_job_that_has_no_cache_is_refused_with_why)
+TEST(a_job_that_has_no_cache_is_refused_with_why)
 {
     struct msg live = submit_of(job_b, NULL);
 
@@ -233,9 +230,8 @@ START_TEST(a_job_that_has_no_cache_is_refused_with_why)
         result(WORKER, job_a, u, 1);
     refused(EX_DATAERR, "had no ambient cache in passes");
 }
-END_TEST
 
-START_TEST(a_cache_that_is_gone_is_refused)
+TEST(a_cache_that_is_gone_is_refused)
 {
     whole_job(job_a);
     coord_job_filed(f.c, f.now_ms, job_a, find(job_a)->sequence, 900, 0);
@@ -243,11 +239,10 @@ START_TEST(a_cache_that_is_gone_is_refused)
     coord_set_keep(f.c, &(struct coord_keep){ .jobs = 10 });
     refused(EX_NOINPUT, "keep_caches_mib is 0");
 }
-END_TEST
 
 /* --- for how long --- */
 
-START_TEST(the_oldest_caches_go_first)
+TEST(the_oldest_caches_go_first)
 {
     struct coord_keep keep = { .jobs = 10,
                                .cache_bytes = 2 * PASSES * AMBSHARE_BYTES };
@@ -271,10 +266,9 @@ START_TEST(the_oldest_caches_go_first)
     ck_assert_uint_eq(f.drops, 3);
     ck_assert_uint_eq(find(job_a)->cache.bytes + find(job_c)->cache.bytes, 0);
 }
-END_TEST
 
 /* With the end the store keeps the cache, which would stay then. */
-START_TEST(a_cache_is_not_dropped_before_the_end_of_its_job_is_kept)
+TEST(a_cache_is_not_dropped_before_the_end_of_its_job_is_kept)
 {
     submit_job(ANA, job_a, NULL);
     ready(WORKER, job_a);
@@ -286,10 +280,9 @@ START_TEST(a_cache_is_not_dropped_before_the_end_of_its_job_is_kept)
     wait_s(1);
     ck_assert_uint_eq(f.drops, 1);
 }
-END_TEST
 
 /* The job that begins with it waits for its files. */
-START_TEST(a_cache_stays_until_who_begins_with_it_has_it)
+TEST(a_cache_stays_until_who_begins_with_it_has_it)
 {
     struct coord_keep keep = { .jobs = 1, .ms = 1 };
 
@@ -308,9 +301,8 @@ START_TEST(a_cache_stays_until_who_begins_with_it_has_it)
     wait_s(2);
     ck_assert_ptr_null(find(job_a));
 }
-END_TEST
 
-START_TEST(a_cache_beyond_the_limit_is_not_kept_at_all)
+TEST(a_cache_beyond_the_limit_is_not_kept_at_all)
 {
     coord_set_keep(
         f.c, &(struct coord_keep){
@@ -319,7 +311,6 @@ START_TEST(a_cache_beyond_the_limit_is_not_kept_at_all)
     ck_assert_uint_eq(find(job_a)->cache.bytes, 0);
     ck_assert_uint_eq(f.drops, 0);
 }
-END_TEST
 
 /* --- how the job begins --- */
 
@@ -339,7 +330,7 @@ came(const uint8_t *job, uint32_t n, int status)
     carry_out();
 }
 
-START_TEST(tiles_wait_for_the_records)
+TEST(tiles_wait_for_the_records)
 {
     struct passes_state s;
 
@@ -374,9 +365,8 @@ START_TEST(tiles_wait_for_the_records)
     ck_assert_uint_eq(find(job_c)->cache.bytes,
                       (3 + 2 * PASSES) * AMBSHARE_BYTES);
 }
-END_TEST
 
-START_TEST(a_job_without_its_records_fails)
+TEST(a_job_without_its_records_fails)
 {
     whole_job(job_a);
     submit_job(ANA, job_c, job_a);
@@ -386,11 +376,10 @@ START_TEST(a_job_without_its_records_fails)
     ck_assert_int_eq(f.last[ANA].failed.status, EX_DATAERR);
     ck_assert_str_eq(f.last[ANA].failed.text, "it is damaged");
 }
-END_TEST
 
 /* Its own passes are kept, too; the records of the first are asked for again,
  * and a worker that has them need not wait. */
-START_TEST(a_job_of_an_earlier_life_goes_on_with_them)
+TEST(a_job_of_an_earlier_life_goes_on_with_them)
 {
     struct msg m = submit_of(job_c, job_a);
     struct saved_pass passes[2] = { { .len = 3 * AMBSHARE_BYTES },
@@ -423,10 +412,9 @@ START_TEST(a_job_of_an_earlier_life_goes_on_with_them)
     ck_assert_uint_eq(f.last[WORKER].frozen.count, 2);
     ck_assert_uint_eq(passes_state(find(job_c)).bytes, 5 * AMBSHARE_BYTES);
 }
-END_TEST
 
 /* It was cancelled on a full disk, where that could not be noted. */
-START_TEST(a_job_that_was_given_up_is_cancelled_in_the_next_life)
+TEST(a_job_that_was_given_up_is_cancelled_in_the_next_life)
 {
     struct msg m = submit_of(job_c, job_a);
     struct saved_frame none = { 0 };
@@ -442,11 +430,10 @@ START_TEST(a_job_that_was_given_up_is_cancelled_in_the_next_life)
     ready(WORKER, job_c);
     ck_assert_uint_eq(f.loads, 0);
 }
-END_TEST
 
 /* All rows were there when the coordinator died: it is over before any worker
  * is ready, and has counted what it counted, and left what it left. */
-START_TEST(a_job_that_was_all_but_over_leaves_its_cache)
+LOOP_TEST(a_job_that_was_all_but_over_leaves_its_cache, 2)
 {
     struct msg m = submit_of(job_c, job_a);
     struct saved_pass passes[1 + PASSES] = { { .len = 3 * AMBSHARE_BYTES } };
@@ -482,7 +469,6 @@ START_TEST(a_job_that_was_all_but_over_leaves_its_cache)
                       _i == 0 ? (3 + PASSES) * AMBSHARE_BYTES : 0);
     ck_assert_uint_eq(f.loads, 0);
 }
-END_TEST
 
 static const struct {
     size_t len; /* of the last stage's decision; 0: it is not there */
@@ -490,7 +476,7 @@ static const struct {
 } lost[] = { { 0, "had no room" }, { 36, "another version" } };
 
 /* Rows are there, and what they were made by is not, or cannot be read. */
-START_TEST(a_job_whose_decision_is_lost_says_why)
+LOOP_TEST(a_job_whose_decision_is_lost_says_why, N_ELEM(lost))
 {
     struct msg m = submit_of(job_c, NULL);
     struct saved_pass passes[PASSES + 1];
@@ -520,7 +506,6 @@ START_TEST(a_job_whose_decision_is_lost_says_why)
     ck_assert_int_eq(find(job_c)->state, JOB_FAILED);
     ck_assert_ptr_nonnull(strstr(find(job_c)->text, lost[_i].why));
 }
-END_TEST
 
 /* --- files --- */
 
@@ -546,6 +531,8 @@ tear_down_folder(void)
     folder_release(&folder);
     scratch_remove();
 }
+
+FIXTURE(set_up_folder, tear_down_folder)
 
 static void
 make(const uint8_t *job)
@@ -580,7 +567,7 @@ make_done(const uint8_t *job)
     ck_assert_uint_gt(folder_cache_bytes(&folder, job), 50);
 }
 
-START_TEST(all_passes_become_the_first_of_another_job)
+TEST(all_passes_become_the_first_of_another_job)
 {
     struct saved_pass pass[MSG_MOST_PASSES];
     struct rad_error err = { 0 };
@@ -616,9 +603,8 @@ START_TEST(all_passes_become_the_first_of_another_job)
     ck_assert_uint_eq(bytes[50], 90);
     free(bytes);
 }
-END_TEST
 
-START_TEST(a_cache_that_lacks_a_pass_is_not_kept)
+TEST(a_cache_that_lacks_a_pass_is_not_kept)
 {
     make(job_a);
     put_pass(job_a, 0, 1, 30);
@@ -628,11 +614,10 @@ START_TEST(a_cache_that_lacks_a_pass_is_not_kept)
     make(job_b);
     ck_assert_int_eq(folder_reuse(&folder, job_b, job_a, NULL), RAD_EDATA);
 }
-END_TEST
 
 /* The coordinator died after the cache was kept, and before the end was noted:
  * the job goes on with its passes. */
-START_TEST(a_job_whose_end_was_not_noted_has_its_passes)
+TEST(a_job_whose_end_was_not_noted_has_its_passes)
 {
     struct saved_pass pass[MSG_MOST_PASSES];
     uint8_t *bytes;
@@ -653,10 +638,9 @@ START_TEST(a_job_whose_end_was_not_noted_has_its_passes)
     make(job_b);
     ck_assert_int_eq(folder_reuse(&folder, job_b, job_a, NULL), 0);
 }
-END_TEST
 
 /* Cut anywhere, or with any byte other than it was, it is not used. */
-START_TEST(a_cache_that_is_damaged_is_not_used)
+TEST(a_cache_that_is_damaged_is_not_used)
 {
     uint8_t bytes[2000], work[2000];
     char path[200];
@@ -686,10 +670,9 @@ START_TEST(a_cache_that_is_damaged_is_not_used)
     make(job_b);
     ck_assert_int_eq(folder_reuse(&folder, job_b, job_a, NULL), RAD_EDATA);
 }
-END_TEST
 
 /* Descriptors or memory may be there in a moment. */
-START_TEST(a_cache_that_cannot_be_read_now_is_not_damaged)
+TEST(a_cache_that_cannot_be_read_now_is_not_damaged)
 {
     struct rad_error err = { 0 };
     struct rlimit before, none;
@@ -713,43 +696,4 @@ START_TEST(a_cache_that_cannot_be_read_now_is_not_damaged)
     setrlimit(RLIMIT_NOFILE, &before);
     ck_assert_ptr_null(bytes);
     ck_assert_int_eq(err.code, RAD_ESHORT);
-}
-END_TEST
-
-int
-main(void)
-{
-    Suite *s = suite_create("reuse");
-    TCase *tc = tcase_create("jobs"), *files = tcase_create("files");
-
-    tcase_add_checked_fixture(tc, set_up_kept, tear_down);
-    tcase_add_test(tc, a_job_that_is_done_leaves_its_cache);
-    tcase_add_test(tc, the_job_that_was_asked_for_is_begun_with);
-    tcase_add_test(tc, the_last_is_the_one_that_ended_last);
-    tcase_add_test(tc, without_a_last_one_that_fits_a_job_begins_with_nothing);
-    tcase_add_loop_test(tc, only_what_decides_about_records_must_be_equal, 0,
-                        N_ELEM(fits));
-    tcase_add_test(tc, a_job_that_has_no_cache_is_refused_with_why);
-    tcase_add_test(tc, a_cache_that_is_gone_is_refused);
-    tcase_add_test(tc, the_oldest_caches_go_first);
-    tcase_add_test(tc,
-                   a_cache_is_not_dropped_before_the_end_of_its_job_is_kept);
-    tcase_add_test(tc, a_cache_stays_until_who_begins_with_it_has_it);
-    tcase_add_test(tc, a_cache_beyond_the_limit_is_not_kept_at_all);
-    tcase_add_test(tc, tiles_wait_for_the_records);
-    tcase_add_test(tc, a_job_without_its_records_fails);
-    tcase_add_test(tc, a_job_of_an_earlier_life_goes_on_with_them);
-    tcase_add_loop_test(tc, a_job_whose_decision_is_lost_says_why, 0,
-                        N_ELEM(lost));
-    tcase_add_test(tc, a_job_that_was_given_up_is_cancelled_in_the_next_life);
-    tcase_add_loop_test(tc, a_job_that_was_all_but_over_leaves_its_cache, 0, 2);
-    suite_add_tcase(s, tc);
-    tcase_add_checked_fixture(files, set_up_folder, tear_down_folder);
-    tcase_add_test(files, all_passes_become_the_first_of_another_job);
-    tcase_add_test(files, a_cache_that_lacks_a_pass_is_not_kept);
-    tcase_add_test(files, a_job_whose_end_was_not_noted_has_its_passes);
-    tcase_add_test(files, a_cache_that_is_damaged_is_not_used);
-    tcase_add_test(files, a_cache_that_cannot_be_read_now_is_not_damaged);
-    suite_add_tcase(s, files);
-    return unit_run(s);
 }

@@ -139,7 +139,8 @@ signal_of_step(const struct machine *m, int from, int to)
     return 0;
 }
 
-START_TEST(the_steps_of_the_drawings_and_no_others_can_be_taken)
+LOOP_TEST(the_steps_of_the_drawings_and_no_others_can_be_taken,
+          N_ELEM(machines))
 {
     const struct machine *m = &machines[_i];
 
@@ -156,10 +157,9 @@ START_TEST(the_steps_of_the_drawings_and_no_others_can_be_taken)
                           m->table->state[to].name);
         }
 }
-END_TEST
 
 /* A word that is misspelt in the lists above would permit nothing. */
-START_TEST(the_drawings_name_states_that_there_are)
+LOOP_TEST(the_drawings_name_states_that_there_are, N_ELEM(machines))
 {
     const struct machine *m = &machines[_i];
     size_t n = 0, words = 0;
@@ -172,9 +172,8 @@ START_TEST(the_drawings_name_states_that_there_are)
             n += follows(m, from, to);
     ck_assert_uint_eq(n, words);
 }
-END_TEST
 
-START_TEST(an_attempt_works_or_waits_or_neither)
+LOOP_TEST(an_attempt_works_or_waits_or_neither, GO_STATES)
 {
     static const struct {
         bool works, waits;
@@ -187,19 +186,4 @@ START_TEST(an_attempt_works_or_waits_or_neither)
 
     ck_assert_int_eq(go_works(&go), is[_i].works);
     ck_assert_int_eq(go_waits(&go), is[_i].waits);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("states");
-
-    tcase_add_loop_test(tc,
-                        the_steps_of_the_drawings_and_no_others_can_be_taken, 0,
-                        N_ELEM(machines));
-    tcase_add_loop_test(tc, the_drawings_name_states_that_there_are, 0,
-                        N_ELEM(machines));
-    tcase_add_loop_test(tc, an_attempt_works_or_waits_or_neither, 0, GO_STATES);
-    return unit_run_case(tc);
 }

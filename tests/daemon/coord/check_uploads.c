@@ -34,7 +34,16 @@ job_names(struct uploads_sum *payer, const uint8_t *hash)
     uploads_named(&u, payer, &files);
 }
 
-START_TEST(a_file_counts_once_for_each_who_sent_it)
+static void
+tear_down(void)
+{
+    uploads_release(&u);
+    ck_assert_uint_eq(ana.bytes + ben.bytes, 0);
+}
+
+FIXTURE(NULL, tear_down)
+
+TEST(a_file_counts_once_for_each_who_sent_it)
 {
     comes(1, &ben, scene, 10);
     comes(2, &ana, scene, 20);
@@ -43,9 +52,8 @@ START_TEST(a_file_counts_once_for_each_who_sent_it)
     ck_assert_uint_eq(ana.bytes, 2 * BYTES);
     ck_assert_uint_eq(ben.bytes, BYTES);
 }
-END_TEST
 
-START_TEST(what_is_sent_again_waits_from_then_on)
+TEST(what_is_sent_again_waits_from_then_on)
 {
     comes(1, &ana, scene, 10);
     comes(2, &ben, scene, 20);
@@ -56,9 +64,8 @@ START_TEST(what_is_sent_again_waits_from_then_on)
     uploads_forget(&u, 30);
     ck_assert_uint_eq(ana.bytes, 0);
 }
-END_TEST
 
-START_TEST(a_job_takes_only_what_its_owner_sent)
+TEST(a_job_takes_only_what_its_owner_sent)
 {
     comes(1, &ana, scene, 10);
     job_names(&ben, scene);
@@ -67,9 +74,8 @@ START_TEST(a_job_takes_only_what_its_owner_sent)
     job_names(&ana, scene);
     ck_assert_uint_eq(ana.bytes, 0);
 }
-END_TEST
 
-START_TEST(a_closed_connection_takes_its_unfinished_files)
+TEST(a_closed_connection_takes_its_unfinished_files)
 {
     comes(1, &ana, scene, 10);
     ck_assert(uploads_begin(&u, 1, data, 1, &ana));
@@ -80,25 +86,4 @@ START_TEST(a_closed_connection_takes_its_unfinished_files)
     ck_assert(!uploads_knows(&u, 1, data));
     ck_assert_uint_eq(ana.under_way, 0);
     ck_assert_uint_eq(ana.bytes, BYTES);
-}
-END_TEST
-
-static void
-tear_down(void)
-{
-    uploads_release(&u);
-    ck_assert_uint_eq(ana.bytes + ben.bytes, 0);
-}
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("uploads");
-
-    tcase_add_checked_fixture(tc, NULL, tear_down);
-    tcase_add_test(tc, a_file_counts_once_for_each_who_sent_it);
-    tcase_add_test(tc, what_is_sent_again_waits_from_then_on);
-    tcase_add_test(tc, a_job_takes_only_what_its_owner_sent);
-    tcase_add_test(tc, a_closed_connection_takes_its_unfinished_files);
-    return unit_run_case(tc);
 }

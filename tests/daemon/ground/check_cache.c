@@ -110,8 +110,10 @@ tear_down(void)
     scratch_remove();
 }
 
+FIXTURE(set_up, tear_down)
+
 /* The third of them was used the longest time ago. */
-START_TEST(the_oldest_go_at_the_start)
+TEST(the_oldest_go_at_the_start)
 {
     for (int i = 0; i < 4; i++)
         make_file(i, i == 2 ? 5 : 10 + i);
@@ -123,9 +125,8 @@ START_TEST(the_oldest_go_at_the_start)
     cache_set_limit(c, KIB);
     ck_assert(!is_there(0) && !is_there(1) && is_there(3));
 }
-END_TEST
 
-START_TEST(what_comes_takes_the_place_of_the_oldest_that_no_job_uses)
+TEST(what_comes_takes_the_place_of_the_oldest_that_no_job_uses)
 {
     for (int i = 0; i < 3; i++)
         make_file(i, 10 + i);
@@ -142,9 +143,8 @@ START_TEST(what_comes_takes_the_place_of_the_oldest_that_no_job_uses)
     ck_assert(is_there(0) && !is_there(3));
     ck_assert_uint_eq(cache_bytes(c), 4 * KIB);
 }
-END_TEST
 
-START_TEST(the_order_outlives_the_process)
+TEST(the_order_outlives_the_process)
 {
     for (int i = 0; i < 3; i++)
         make_file(i, 10 + i);
@@ -156,13 +156,12 @@ START_TEST(the_order_outlives_the_process)
     ck_assert_int_eq(arrive(3), 0);
     ck_assert(is_there(0) && !is_there(1));
 }
-END_TEST
 
 #define FULL_TEXT                                                              \
     "no room in the cache: 0.00293 MiB more are needed, 0.001953 are in use, " \
     "and it may have 0.003906 (cache_mib)"
 
-START_TEST(nothing_goes_for_what_does_not_fit)
+TEST(nothing_goes_for_what_does_not_fit)
 {
     struct rad_error err = { 0 };
 
@@ -180,10 +179,9 @@ START_TEST(nothing_goes_for_what_does_not_fit)
     ck_assert_int_eq(use(job_b, 3, 3, 3 * KIB), 0);
     ck_assert(!is_there(2)); /* the two of the first job are newer */
 }
-END_TEST
 
 /* Two that arrive at the same time are both counted, until one is given up. */
-START_TEST(what_is_on_its_way_has_its_place)
+TEST(what_is_on_its_way_has_its_place)
 {
     c = cache_new(&blobs, 3 * KIB, NULL);
     ck_assert_int_eq(cache_expect(c, 2 * KIB, NULL), 0);
@@ -191,9 +189,8 @@ START_TEST(what_is_on_its_way_has_its_place)
     cache_given_up(c, 2 * KIB);
     ck_assert_int_eq(cache_expect(c, 2 * KIB, NULL), 0);
 }
-END_TEST
 
-START_TEST(files_of_a_job_are_counted_once)
+TEST(files_of_a_job_are_counted_once)
 {
     make_file(0, 10);
     make_file(1, 11);
@@ -209,10 +206,9 @@ START_TEST(files_of_a_job_are_counted_once)
     ck_assert_int_eq(arrive(3), 0);
     ck_assert_uint_eq(cache_bytes(c), 2 * KIB);
 }
-END_TEST
 
 /* By somebody else, who also cut one and removed the folder. */
-START_TEST(files_that_went_are_missed)
+TEST(files_that_went_are_missed)
 {
     char path[BLOBS_PATH_MAX];
 
@@ -231,9 +227,8 @@ START_TEST(files_that_went_are_missed)
     ck_assert_uint_eq(cache_bytes(c), 0);
     ck_assert_int_eq(arrive(0), 0);
 }
-END_TEST
 
-START_TEST(without_a_limit_it_takes_a_tenth_of_the_disk)
+TEST(without_a_limit_it_takes_a_tenth_of_the_disk)
 {
     uint64_t disk = blobs_disk_bytes(&blobs);
 
@@ -241,18 +236,16 @@ START_TEST(without_a_limit_it_takes_a_tenth_of_the_disk)
     ck_assert_int_eq(cache_expect(c, disk / 10 + 1, NULL), RAD_EFULL);
     ck_assert_uint_gt(blobs_disk_free(&blobs), 0);
 }
-END_TEST
 
-START_TEST(where_the_disk_tells_no_size_what_comes_is_taken)
+TEST(where_the_disk_tells_no_size_what_comes_is_taken)
 {
     sizeless = true;
     c = cache_new(&blobs, 0, NULL);
     ck_assert_int_eq(cache_expect(c, KIB, NULL), 0);
     sizeless = false;
 }
-END_TEST
 
-START_TEST(many_files_are_no_trouble)
+TEST(many_files_are_no_trouble)
 {
     uint8_t many[5000 * MSG_HASH] = { 0 };
     const struct msg_hashes files = { 5000, many };
@@ -263,25 +256,4 @@ START_TEST(many_files_are_no_trouble)
     ck_assert_int_eq(cache_use(c, job_a, &files, KIB, NULL), 0);
     cache_leave(c, job_a);
     ck_assert_uint_eq(cache_bytes(c), 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("cache");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, the_oldest_go_at_the_start);
-    tcase_add_test(tc,
-                   what_comes_takes_the_place_of_the_oldest_that_no_job_uses);
-    tcase_add_test(tc, the_order_outlives_the_process);
-    tcase_add_test(tc, nothing_goes_for_what_does_not_fit);
-    tcase_add_test(tc, what_is_on_its_way_has_its_place);
-    tcase_add_test(tc, files_of_a_job_are_counted_once);
-    tcase_add_test(tc, files_that_went_are_missed);
-    tcase_add_test(tc, without_a_limit_it_takes_a_tenth_of_the_disk);
-    tcase_add_test(tc, where_the_disk_tells_no_size_what_comes_is_taken);
-    tcase_add_test(tc, many_files_are_no_trouble);
-    return unit_run_case(tc);
 }

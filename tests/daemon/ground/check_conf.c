@@ -74,7 +74,7 @@ load(struct settings *s, struct rad_error *err, const char *a, const char *b)
     return conf_load(&table, s, argc, argv, err);
 }
 
-START_TEST(defaults_then_file_then_options)
+TEST(defaults_then_file_then_options)
 {
     char config[64];
     struct settings s;
@@ -96,9 +96,8 @@ START_TEST(defaults_then_file_then_options)
     ck_assert_int_eq(s.threads, 9);
     ck_assert_str_eq(s.name, "ws3");
 }
-END_TEST
 
-START_TEST(reload_changes_what_may_change)
+TEST(reload_changes_what_may_change)
 {
     char config[64];
     char *argv[] = { (char *)"radd", config, NULL };
@@ -127,10 +126,9 @@ START_TEST(reload_changes_what_may_change)
                      RAD_ECONFIG);
     ck_assert_str_eq(s.name, "b");
 }
-END_TEST
 
 /* The file is to blame where the options alone would do. */
-START_TEST(check_that_fails_names_the_file_or_the_options)
+TEST(check_that_fails_names_the_file_or_the_options)
 {
     char config[64];
     struct settings s;
@@ -148,9 +146,8 @@ START_TEST(check_that_fails_names_the_file_or_the_options)
     ck_assert_int_eq(load(&s, &err, "--host-name=misspelt", NULL), RAD_EUSAGE);
     ck_assert_str_eq(err.what, "'host_name': no such host");
 }
-END_TEST
 
-START_TEST(int_option_takes_a_whole_word)
+TEST(int_option_takes_a_whole_word)
 {
     static const char *const bad[] = { "--threads=",    "--threads= 3",
                                        "--threads=3 ",  "--threads=0x3",
@@ -164,9 +161,8 @@ START_TEST(int_option_takes_a_whole_word)
     ck_assert_int_eq(load(&s, &err, "--threads=3", NULL), CONF_RUN);
     ck_assert_int_eq(s.threads, 3);
 }
-END_TEST
 
-START_TEST(bool_option_takes_a_value_or_none)
+TEST(bool_option_takes_a_value_or_none)
 {
     struct settings s;
     struct rad_error err;
@@ -179,7 +175,6 @@ START_TEST(bool_option_takes_a_value_or_none)
     ck_assert(!s.loud);
     ck_assert_int_eq(load(&s, &err, "--loud=perhaps", NULL), RAD_EUSAGE);
 }
-END_TEST
 
 static const struct {
     const char *text, *where, *what;
@@ -203,7 +198,7 @@ static const struct {
       ":1", "line longer than" },
 };
 
-START_TEST(bad_file_is_refused_with_its_line)
+LOOP_TEST(bad_file_is_refused_with_its_line, N_ELEM(bad_files))
 {
     struct settings s;
     struct rad_error err = { 0 };
@@ -215,7 +210,6 @@ START_TEST(bad_file_is_refused_with_its_line)
                   err.where);
     ck_assert_msg(strstr(err.what, bad_files[_i].what) != NULL, "%s", err.what);
 }
-END_TEST
 
 static const char *const bad_options[] = { "--threads=x",
                                            "--threads=-1",
@@ -228,7 +222,7 @@ static const char *const bad_options[] = { "--threads=x",
                                            "--threads=99999999999999999999",
                                            "--host-name=forbidden" };
 
-START_TEST(bad_option_is_a_usage_error)
+LOOP_TEST(bad_option_is_a_usage_error, N_ELEM(bad_options))
 {
     struct settings s;
     struct rad_error err;
@@ -237,9 +231,8 @@ START_TEST(bad_option_is_a_usage_error)
     ck_assert_int_eq(err.code, RAD_EUSAGE);
     ck_assert_str_ne(err.what, "");
 }
-END_TEST
 
-START_TEST(missing_file_is_named)
+TEST(missing_file_is_named)
 {
     struct settings s;
     struct rad_error err;
@@ -248,10 +241,9 @@ START_TEST(missing_file_is_named)
                      RAD_ENOINPUT);
     ck_assert_ptr_nonnull(strstr(err.what, "/nonexistent/x"));
 }
-END_TEST
 
 /* A link that leads to itself is denied to root, too. */
-START_TEST(default_file_that_cannot_be_read_is_not_as_if_missing)
+TEST(default_file_that_cannot_be_read_is_not_as_if_missing)
 {
     struct conf_table of = table;
     char *argv[] = { (char *)"radd", NULL };
@@ -266,9 +258,8 @@ START_TEST(default_file_that_cannot_be_read_is_not_as_if_missing)
     ck_assert_ptr_nonnull(strstr(err.what, path));
     ck_assert_int_eq(unlink(path), 0);
 }
-END_TEST
 
-START_TEST(help_and_version_win)
+TEST(help_and_version_win)
 {
     struct settings s;
     struct rad_error err;
@@ -276,7 +267,6 @@ START_TEST(help_and_version_win)
     ck_assert_int_eq(load(&s, &err, "--help", NULL), CONF_HELP);
     ck_assert_int_eq(load(&s, &err, "--version", NULL), CONF_VERSION);
 }
-END_TEST
 
 static const struct {
     const char *text;
@@ -312,7 +302,7 @@ static const char *const bare[] = {
     "fe80::1%eth0", "fe80::1%eth0:7420", "::ffff:10.0.0.1"
 };
 
-START_TEST(an_address_without_its_brackets_is_told)
+LOOP_TEST(an_address_without_its_brackets_is_told, N_ELEM(bare))
 {
     struct rad_error err = { 0 };
     struct address a;
@@ -323,9 +313,8 @@ START_TEST(an_address_without_its_brackets_is_told)
     ck_assert_int_eq(address_resolve_listen(bare[_i], &a, &err), RAD_EUSAGE);
     ck_assert_ptr_nonnull(strstr(err.what, "stands in brackets"));
 }
-END_TEST
 
-START_TEST(address_is_read_and_judged)
+LOOP_TEST(address_is_read_and_judged, N_ELEM(addresses))
 {
     struct address a;
     struct rad_error err = { 0 };
@@ -341,7 +330,6 @@ START_TEST(address_is_read_and_judged)
     address_format(&a, text);
     ck_assert_str_eq(text, addresses[_i].again);
 }
-END_TEST
 
 static const struct {
     const char *text;
@@ -358,7 +346,7 @@ static const struct {
     { "*:", RAD_EUSAGE, NULL },
 };
 
-START_TEST(address_to_listen_at)
+LOOP_TEST(address_to_listen_at, N_ELEM(listens))
 {
     struct address a;
     struct rad_error err = { 0 };
@@ -376,9 +364,8 @@ START_TEST(address_to_listen_at)
                      RAD_EUSAGE);
     ck_assert_int_eq(address_permitted(&a, "x", NULL), RAD_EPERM);
 }
-END_TEST
 
-START_TEST(a_number_or_a_path_is_one_address)
+TEST(a_number_or_a_path_is_one_address)
 {
     static const char *const one[] = { "127.0.0.1:80", "/run/x.sock" };
     struct address a[2];
@@ -386,9 +373,8 @@ START_TEST(a_number_or_a_path_is_one_address)
     for (size_t i = 0; i < N_ELEM(one); i++)
         ck_assert_int_eq(address_resolve(one[i], a, 2, NULL), 1);
 }
-END_TEST
 
-START_TEST(log_limit_lets_a_burst_through_and_counts_the_rest)
+TEST(log_limit_lets_a_burst_through_and_counts_the_rest)
 {
     struct log_limit l = { 0 };
     unsigned dropped, passed = 0;
@@ -400,37 +386,4 @@ START_TEST(log_limit_lets_a_burst_through_and_counts_the_rest)
     ck_assert_uint_eq(dropped, 1000 - LOG_BURST);
     ck_assert_int_eq(log_level_parse("warn"), LOG_LEVEL_WARN);
     ck_assert_int_lt(log_level_parse("loud"), 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("conf");
-    int fd = mkstemp(path), failed;
-
-    if (fd < 0)
-        return EXIT_FAILURE;
-    close(fd);
-    tcase_add_test(tc, defaults_then_file_then_options);
-    tcase_add_test(tc, reload_changes_what_may_change);
-    tcase_add_test(tc, check_that_fails_names_the_file_or_the_options);
-    tcase_add_test(tc, int_option_takes_a_whole_word);
-    tcase_add_test(tc, bool_option_takes_a_value_or_none);
-    tcase_add_loop_test(tc, address_to_listen_at, 0, N_ELEM(listens));
-    tcase_add_test(tc, a_number_or_a_path_is_one_address);
-    tcase_add_loop_test(tc, bad_file_is_refused_with_its_line, 0,
-                        N_ELEM(bad_files));
-    tcase_add_loop_test(tc, bad_option_is_a_usage_error, 0,
-                        N_ELEM(bad_options));
-    tcase_add_test(tc, missing_file_is_named);
-    tcase_add_test(tc, default_file_that_cannot_be_read_is_not_as_if_missing);
-    tcase_add_test(tc, help_and_version_win);
-    tcase_add_loop_test(tc, an_address_without_its_brackets_is_told, 0,
-                        N_ELEM(bare));
-    tcase_add_loop_test(tc, address_is_read_and_judged, 0, N_ELEM(addresses));
-    tcase_add_test(tc, log_limit_lets_a_burst_through_and_counts_the_rest);
-    failed = unit_run_case(tc);
-    unlink(path);
-    return failed;
 }

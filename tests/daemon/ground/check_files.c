@@ -57,7 +57,9 @@ read_blob(const struct blobs *b, const char *hash, off_t at, void *buf,
     return rc;
 }
 
-START_TEST(file_that_came_in_pieces_is_there)
+FIXTURE(scratch_make, scratch_remove)
+
+TEST(file_that_came_in_pieces_is_there)
 {
     static const char text[] = "void plastic white 0 0 5 1 1 1 0 0";
     size_t n = sizeof text;
@@ -78,9 +80,8 @@ START_TEST(file_that_came_in_pieces_is_there)
     ck_assert_mem_eq(back, text + 5, n - 5);
     ck_assert_int_eq(read_blob(&b, hex, 6, back, n - 5), RAD_EIO);
 }
-END_TEST
 
-START_TEST(empty_file_is_a_file)
+TEST(empty_file_is_a_file)
 {
     char hex[RAD_SHA_HEX + 1];
     struct blob_part p;
@@ -92,7 +93,6 @@ START_TEST(empty_file_is_a_file)
     ck_assert_int_eq(blobs_part_write(&p, 0, NULL, 0, NULL), 1);
     ck_assert(has_blob(&b, hex, NULL));
 }
-END_TEST
 
 static const struct {
     uint64_t total, offset;
@@ -105,7 +105,7 @@ static const struct {
     { 8, 0, 8, true }, /* not what its name says */
 };
 
-START_TEST(wrong_pieces_leave_nothing)
+LOOP_TEST(wrong_pieces_leave_nothing, N_ELEM(wrong))
 {
     static const char text[] = "12345678x";
     struct blob_part p;
@@ -126,9 +126,8 @@ START_TEST(wrong_pieces_leave_nothing)
     snprintf(path, sizeof path, "%s/0.part", dir);
     ck_assert_int_ne(access(path, F_OK), 0);
 }
-END_TEST
 
-START_TEST(bad_names_are_refused)
+TEST(bad_names_are_refused)
 {
     struct blob_part p;
     struct blobs b;
@@ -138,9 +137,8 @@ START_TEST(bad_names_are_refused)
                      RAD_EPROTO);
     ck_assert(!rad_sha_valid(".."));
 }
-END_TEST
 
-START_TEST(half_files_of_an_earlier_life_go)
+TEST(half_files_of_an_earlier_life_go)
 {
     struct blobs b;
     char path[160];
@@ -153,10 +151,9 @@ START_TEST(half_files_of_an_earlier_life_go)
     ck_assert_int_eq(blobs_open(&b, dir, NULL), 0);
     ck_assert_int_ne(access(path, F_OK), 0);
 }
-END_TEST
 
 /* Of one bucket, which is where the bound is. */
-START_TEST(sounds_of_very_many_files_are_forgotten)
+TEST(sounds_of_very_many_files_are_forgotten)
 {
     const uint32_t most = SOUND_MOST / SOUND_BUCKETS, n = 3 * most;
     uint8_t digest[RAD_SHA_BYTES] = { 7 };
@@ -178,9 +175,8 @@ START_TEST(sounds_of_very_many_files_are_forgotten)
     ck_assert_uint_eq(known, most);
     sounds_release(&s);
 }
-END_TEST
 
-START_TEST(folders_are_made_and_files_written_whole)
+TEST(folders_are_made_and_files_written_whole)
 {
     char deep[160], ports[200], text[100];
     const char *lines[] = { "unix /x", "tcp 127.0.0.1:1" };
@@ -202,9 +198,8 @@ START_TEST(folders_are_made_and_files_written_whole)
     ck_assert_int_eq(service_ports_file(ports, lines, 1, NULL), 0);
     ck_assert_int_eq(rad_make_dir(deep, 0700, &err), RAD_ECANTCREAT);
 }
-END_TEST
 
-START_TEST(locked_folder_is_told_from_one_that_cannot_be_locked)
+TEST(locked_folder_is_told_from_one_that_cannot_be_locked)
 {
     struct rad_error err = { 0 }, other = { 0 };
     int lock = service_lock_dir(dir, &err);
@@ -217,22 +212,4 @@ START_TEST(locked_folder_is_told_from_one_that_cannot_be_locked)
     ck_assert_int_eq(service_lock_dir(dir, &other), RAD_EIO);
     ck_assert_ptr_nonnull(strstr(other.what, strerror(ENOLCK)));
     no_lock = 0;
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("files");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_test(tc, file_that_came_in_pieces_is_there);
-    tcase_add_test(tc, empty_file_is_a_file);
-    tcase_add_loop_test(tc, wrong_pieces_leave_nothing, 0, N_ELEM(wrong));
-    tcase_add_test(tc, bad_names_are_refused);
-    tcase_add_test(tc, half_files_of_an_earlier_life_go);
-    tcase_add_test(tc, sounds_of_very_many_files_are_forgotten);
-    tcase_add_test(tc, folders_are_made_and_files_written_whole);
-    tcase_add_test(tc, locked_folder_is_told_from_one_that_cannot_be_locked);
-    return unit_run_case(tc);
 }

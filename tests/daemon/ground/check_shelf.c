@@ -30,6 +30,8 @@ tear_down(void)
     shelf_clear(&shelf);
 }
 
+FIXTURE(set_up, tear_down)
+
 /* Columns [x, x + n) and densities [first, first + nd) of the line. */
 static struct msg_base_line
 piece(uint32_t x, uint32_t n, uint32_t first, uint32_t nd)
@@ -62,7 +64,7 @@ expect(uint32_t nx, uint32_t nd)
     ck_assert(shelf_is_whole(&shelf, &size) == (nx == WIDTH && nd == NDENSITY));
 }
 
-START_TEST(pieces_make_the_line)
+TEST(pieces_make_the_line)
 {
     expect(0, 0);
     put(0, 4, 0, 0);
@@ -73,10 +75,9 @@ START_TEST(pieces_make_the_line)
     put(40, 0, 10, 1);
     expect(WIDTH, NDENSITY);
 }
-END_TEST
 
 /* As when another sender begins at the beginning. */
-START_TEST(pieces_come_again_and_overlap)
+TEST(pieces_come_again_and_overlap)
 {
     put(0, 20, 0, 5);
     put(0, 20, 0, 5);
@@ -90,9 +91,8 @@ START_TEST(pieces_come_again_and_overlap)
     put(3, 5, 2, 1);
     expect(WIDTH, NDENSITY);
 }
-END_TEST
 
-START_TEST(a_piece_that_leaves_a_gap_is_dropped)
+TEST(a_piece_that_leaves_a_gap_is_dropped)
 {
     put(8, 4, 0, 2);
     expect(0, 0);
@@ -104,9 +104,8 @@ START_TEST(a_piece_that_leaves_a_gap_is_dropped)
     put(8, 32, 2, 9);
     expect(WIDTH, NDENSITY);
 }
-END_TEST
 
-START_TEST(pixels_of_other_kinds_do_not_mix)
+TEST(pixels_of_other_kinds_do_not_mix)
 {
     struct msg_base_line m = piece(10, 5, 0, 0);
 
@@ -116,7 +115,6 @@ START_TEST(pixels_of_other_kinds_do_not_mix)
     ck_assert_int_eq(shelf_put(&shelf, &m), 0);
     expect(10, 0);
 }
-END_TEST
 
 static const struct {
     uint32_t x, n, first, nd;
@@ -138,7 +136,7 @@ static const struct {
 };
 
 /* Sums of what a message says may overflow. */
-START_TEST(what_lies_outside_does_not_fit)
+LOOP_TEST(what_lies_outside_does_not_fit, N_ELEM(places))
 {
     const struct msg_base_line m = { .x = places[_i].x,
                                      .n = places[_i].n,
@@ -148,9 +146,8 @@ START_TEST(what_lies_outside_does_not_fit)
 
     ck_assert(shelf_fits(&size, &m) == places[_i].fits);
 }
-END_TEST
 
-START_TEST(a_long_line_is_handed_on_in_pieces_that_fit_a_message)
+TEST(a_long_line_is_handed_on_in_pieces_that_fit_a_message)
 {
     enum { LONG = 65535 };
     static const struct shelf_size most = { LONG, 0, 4 };
@@ -180,10 +177,9 @@ START_TEST(a_long_line_is_handed_on_in_pieces_that_fit_a_message)
                       9);
     wire_out_release(&w);
 }
-END_TEST
 
 /* With -ps 1 a base line leaves no densities. */
-START_TEST(a_line_may_have_columns_alone)
+TEST(a_line_may_have_columns_alone)
 {
     static const struct shelf_size bare = { WIDTH, 0, CHANNELS };
     struct msg_base_line m = piece(0, WIDTH, 0, 0);
@@ -197,10 +193,9 @@ START_TEST(a_line_may_have_columns_alone)
     ck_assert(m.n == WIDTH && m.ndensity == 0 && m.density);
     ck_assert(!shelf_piece(&shelf, &x, &first, &m));
 }
-END_TEST
 
 /* Whoever gets the line while it comes gets each part once. */
-START_TEST(what_came_since_is_handed_on)
+TEST(what_came_since_is_handed_on)
 {
     struct msg_base_line m;
     uint32_t x = 0, first = 0;
@@ -218,22 +213,4 @@ START_TEST(what_came_since_is_handed_on)
     ck_assert(m.x == 10 && m.n == 30 && m.first == 3 && m.ndensity == 8);
     ck_assert_mem_eq(m.pixels, pixels + (size_t)10 * PIXEL, (size_t)30 * PIXEL);
     ck_assert(!shelf_piece(&shelf, &x, &first, &m));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("shelf");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, pieces_make_the_line);
-    tcase_add_test(tc, pieces_come_again_and_overlap);
-    tcase_add_test(tc, a_piece_that_leaves_a_gap_is_dropped);
-    tcase_add_test(tc, pixels_of_other_kinds_do_not_mix);
-    tcase_add_loop_test(tc, what_lies_outside_does_not_fit, 0, N_ELEM(places));
-    tcase_add_test(tc, a_long_line_is_handed_on_in_pieces_that_fit_a_message);
-    tcase_add_test(tc, a_line_may_have_columns_alone);
-    tcase_add_test(tc, what_came_since_is_handed_on);
-    return unit_run_case(tc);
 }

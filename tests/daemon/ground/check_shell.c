@@ -23,7 +23,7 @@ on_action(void *arg, const struct action *a)
     ck_assert_uint_eq(a->conn, (uint64_t)ncarried);
 }
 
-START_TEST(an_action_stays_while_it_brings_about_others)
+TEST(an_action_stays_while_it_brings_about_others)
 {
     static const struct shell_ops ops = { .action = on_action };
     struct shell s;
@@ -38,9 +38,8 @@ START_TEST(an_action_stays_while_it_brings_about_others)
     shell_close(&s);
     actions_release(&list);
 }
-END_TEST
 
-START_TEST(a_child_gets_no_more_of_an_environment_than_it_needs)
+TEST(a_child_gets_no_more_of_an_environment_than_it_needs)
 {
     static char given[][40] = { "PATH=/bin",          "TZ=Europe/Vienna",
                                 "SECRET=sesame",      "LD_LIBRARY_PATH=/lib",
@@ -56,9 +55,8 @@ START_TEST(a_child_gets_no_more_of_an_environment_than_it_needs)
     ck_assert_str_eq(got[1], "LD_LIBRARY_PATH=/lib");
     ck_assert_ptr_null(got[2]);
 }
-END_TEST
 
-START_TEST(a_name_that_comes_often_fills_no_more_than_there_is)
+TEST(a_name_that_comes_often_fills_no_more_than_there_is)
 {
     static char zone[] = "TZ=UTC";
     char *all[3 * CHILDREN_MAX_ENV + 1] = { NULL };
@@ -69,16 +67,4 @@ START_TEST(a_name_that_comes_often_fills_no_more_than_there_is)
     children_environment(all, got);
     ck_assert_str_eq(got[CHILDREN_MAX_ENV - 1], "TZ=UTC");
     ck_assert_ptr_null(got[CHILDREN_MAX_ENV]);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("shell");
-
-    tcase_add_test(tc, an_action_stays_while_it_brings_about_others);
-    tcase_add_test(tc, a_child_gets_no_more_of_an_environment_than_it_needs);
-    tcase_add_test(tc, a_name_that_comes_often_fills_no_more_than_there_is);
-    return unit_run_case(tc);
 }

@@ -159,7 +159,9 @@ tear_down(void)
     ck_assert_int_eq(uv_loop_close(&f.loop), 0);
 }
 
-START_TEST(what_lasts_is_done_when_it_is_settled)
+FIXTURE(set_up, tear_down)
+
+TEST(what_lasts_is_done_when_it_is_settled)
 {
     push('a', true);
     go();
@@ -168,9 +170,8 @@ START_TEST(what_lasts_is_done_when_it_is_settled)
     go();
     ck_assert_str_eq(f.log, "a|AbB");
 }
-END_TEST
 
-START_TEST(what_comes_within_a_while_is_settled_together)
+TEST(what_comes_within_a_while_is_settled_together)
 {
     f.q.gather = true;
     for (char c = 'a'; c <= 'z'; c++) {
@@ -182,9 +183,8 @@ START_TEST(what_comes_within_a_while_is_settled_together)
     for (char c = 'A'; c < 'Z'; c++)
         ck_assert(strchr(f.log, c) < strchr(f.log, c + 1));
 }
-END_TEST
 
-START_TEST(what_is_awaited_is_settled_at_once)
+TEST(what_is_awaited_is_settled_at_once)
 {
     struct letter *c = new_letter('c', true);
 
@@ -200,11 +200,10 @@ START_TEST(what_is_awaited_is_settled_at_once)
     go();
     ck_assert_ptr_nonnull(strstr(f.log, "c|"));
 }
-END_TEST
 
 static const int passing[] = { RAD_EFULL, RAD_ESHORT, RAD_ENOMEM };
 
-START_TEST(a_lack_holds_what_writes)
+LOOP_TEST(a_lack_holds_what_writes, 3)
 {
     f.run_code = passing[_i];
     push('a', true);
@@ -221,10 +220,9 @@ START_TEST(a_lack_holds_what_writes)
     ck_assert(strchr(f.log, 'A') && strchr(f.log, 'A') < strchr(f.log, 'B'));
     ck_assert_ptr_null(strchr(f.log, '!'));
 }
-END_TEST
 
 /* Others read and write meanwhile. */
-START_TEST(reading_waits_for_means_alone)
+TEST(reading_waits_for_means_alone)
 {
     f.short_of = 'a';
     push('a', false);
@@ -237,7 +235,6 @@ START_TEST(reading_waits_for_means_alone)
     go();
     ck_assert(noted("A"));
 }
-END_TEST
 
 /* Readers follow each other until nothing is lacking. */
 static void
@@ -258,7 +255,7 @@ run_nothing(struct task *t)
     return 0;
 }
 
-START_TEST(a_queue_that_is_never_idle_tries_again)
+TEST(a_queue_that_is_never_idle_tries_again)
 {
     struct letter *l = new_letter('z', false);
 
@@ -273,9 +270,8 @@ START_TEST(a_queue_that_is_never_idle_tries_again)
     go();
     ck_assert(noted("A") && noted("Z"));
 }
-END_TEST
 
-START_TEST(what_wants_much_room_waits_alone)
+TEST(what_wants_much_room_waits_alone)
 {
     struct letter *l = new_letter('a', true);
 
@@ -291,9 +287,8 @@ START_TEST(what_wants_much_room_waits_alone)
     ck_assert(noted("A"));
     ck_assert_ptr_eq(strchr(f.log, '?'), strrchr(f.log, '?')); /* told once */
 }
-END_TEST
 
-START_TEST(what_cannot_be_settled_for_room_runs_again)
+TEST(what_cannot_be_settled_for_room_runs_again)
 {
     f.settle_code = RAD_EFULL;
     push('a', true);
@@ -304,9 +299,8 @@ START_TEST(what_cannot_be_settled_for_room_runs_again)
     ck_assert_str_eq(f.log, "a|a|A");
     ck_assert(!f.full && !f.broken);
 }
-END_TEST
 
-START_TEST(what_is_held_is_given_up_in_the_end)
+TEST(what_is_held_is_given_up_in_the_end)
 {
     f.run_code = RAD_EFULL;
     push('a', true);
@@ -316,9 +310,8 @@ START_TEST(what_is_held_is_given_up_in_the_end)
     go();
     ck_assert_ptr_nonnull(strchr(f.log, '!'));
 }
-END_TEST
 
-START_TEST(a_disk_that_fails_ends_it)
+LOOP_TEST(a_disk_that_fails_ends_it, 2)
 {
     if (_i)
         f.settle_code = RAD_EIO;
@@ -335,34 +328,12 @@ START_TEST(a_disk_that_fails_ends_it)
     ck_assert(!noted("Bb"));
     ck_assert(noted("C"));
 }
-END_TEST
 
-START_TEST(what_fails_for_its_own_sake_ends_nothing)
+TEST(what_fails_for_its_own_sake_ends_nothing)
 {
     f.run_code = RAD_EPROTO;
     push('a', true);
     go();
     ck_assert_str_eq(f.log, "a!");
     ck_assert(!f.broken && !f.full);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("task");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, what_lasts_is_done_when_it_is_settled);
-    tcase_add_test(tc, what_comes_within_a_while_is_settled_together);
-    tcase_add_test(tc, what_is_awaited_is_settled_at_once);
-    tcase_add_loop_test(tc, a_lack_holds_what_writes, 0, 3);
-    tcase_add_test(tc, reading_waits_for_means_alone);
-    tcase_add_test(tc, a_queue_that_is_never_idle_tries_again);
-    tcase_add_test(tc, what_wants_much_room_waits_alone);
-    tcase_add_test(tc, what_cannot_be_settled_for_room_runs_again);
-    tcase_add_test(tc, what_is_held_is_given_up_in_the_end);
-    tcase_add_loop_test(tc, a_disk_that_fails_ends_it, 0, 2);
-    tcase_add_test(tc, what_fails_for_its_own_sake_ends_nothing);
-    return unit_run_case(tc);
 }

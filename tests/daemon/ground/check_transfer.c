@@ -120,6 +120,8 @@ tear_down(void)
     scratch_remove();
 }
 
+FIXTURE(set_up, tear_down)
+
 static void
 start(uint8_t file)
 {
@@ -182,7 +184,7 @@ settle(bool reading)
 }
 
 /* As the files of a job that ended and of a job after it on the same scene. */
-START_TEST(a_file_that_waits_is_sent_once_however_often_it_is_asked_for)
+TEST(a_file_that_waits_is_sent_once_however_often_it_is_asked_for)
 {
     start_all();
     settle(false);
@@ -192,10 +194,9 @@ START_TEST(a_file_that_waits_is_sent_once_however_often_it_is_asked_for)
     for (int i = 0; i < FILES; i++)
         ck_assert_int_ge(f.first[i], 1);
 }
-END_TEST
 
 /* Its receiver may have given up the beginning, for want of room. */
-START_TEST(a_file_that_has_begun_is_sent_again_from_its_beginning)
+TEST(a_file_that_has_begun_is_sent_again_from_its_beginning)
 {
     start(LONG);
     settle(false);
@@ -203,9 +204,8 @@ START_TEST(a_file_that_has_begun_is_sent_again_from_its_beginning)
     settle(true);
     ck_assert_int_eq(f.first[LONG], 2);
 }
-END_TEST
 
-START_TEST(files_that_have_not_begun_are_dropped)
+TEST(files_that_have_not_begun_are_dropped)
 {
     start_all();
     settle(false);
@@ -217,9 +217,8 @@ START_TEST(files_that_have_not_begun_are_dropped)
     settle(true);
     ck_assert_int_eq(f.first[FILES - 1], 1);
 }
-END_TEST
 
-START_TEST(files_of_another_connection_are_not_dropped)
+TEST(files_of_another_connection_are_not_dropped)
 {
     start_all();
     settle(false);
@@ -227,9 +226,8 @@ START_TEST(files_of_another_connection_are_not_dropped)
     settle(true);
     ck_assert_int_eq(f.first[FILES - 1], 1);
 }
-END_TEST
 
-START_TEST(a_file_that_has_begun_is_sent_to_its_end)
+TEST(a_file_that_has_begun_is_sent_to_its_end)
 {
     start(LONG);
     settle(false);
@@ -238,10 +236,9 @@ START_TEST(a_file_that_has_begun_is_sent_to_its_end)
     ck_assert_int_eq(f.first[LONG], 1);
     ck_assert_int_eq(f.last[LONG], 1);
 }
-END_TEST
 
 /* No worker may get FAILED; it finds that an empty file has another hash. */
-START_TEST(a_file_that_is_missing_comes_as_an_empty_one)
+TEST(a_file_that_is_missing_comes_as_an_empty_one)
 {
     start(MISSING);
     start(0);
@@ -250,9 +247,8 @@ START_TEST(a_file_that_is_missing_comes_as_an_empty_one)
     ck_assert_int_eq(f.last[0], 1);
     ck_assert_int_eq(f.empty[0], 0);
 }
-END_TEST
 
-START_TEST(a_file_that_is_removed_meanwhile_is_empty_at_last)
+TEST(a_file_that_is_removed_meanwhile_is_empty_at_last)
 {
     start(LONG);
     settle(false);
@@ -263,11 +259,10 @@ START_TEST(a_file_that_is_removed_meanwhile_is_empty_at_last)
     ck_assert_int_eq(f.first[LONG], 2);
     ck_assert_int_eq(f.last[0], 1);
 }
-END_TEST
 
 /* The store reads on when its daemon or, in the second row, a connection ends.
  */
-START_TEST(a_file_that_is_read_when_all_ends_is_sent_to_nobody)
+LOOP_TEST(a_file_that_is_read_when_all_ends_is_sent_to_nobody, 2)
 {
     start(LONG);
     start(0);
@@ -280,10 +275,9 @@ START_TEST(a_file_that_is_read_when_all_ends_is_sent_to_nobody)
     settle(true);
     ck_assert_int_eq(f.first[LONG] + f.first[0], 0);
 }
-END_TEST
 
 /* The sizes leave none, some and all of the bytes that were sent. */
-START_TEST(a_file_that_shrinks_meanwhile_is_empty_at_last)
+LOOP_TEST(a_file_that_shrinks_meanwhile_is_empty_at_last, 4)
 {
     static const off_t to[] = { 0, MSG_MAX_CHUNK, 2 * MSG_MAX_CHUNK,
                                 3 * MSG_MAX_CHUNK };
@@ -300,26 +294,4 @@ START_TEST(a_file_that_shrinks_meanwhile_is_empty_at_last)
     start(0);
     settle(true);
     ck_assert_int_eq(f.last[0], 1);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("transfer");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(
-        tc, a_file_that_waits_is_sent_once_however_often_it_is_asked_for);
-    tcase_add_test(tc, a_file_that_has_begun_is_sent_again_from_its_beginning);
-    tcase_add_test(tc, files_that_have_not_begun_are_dropped);
-    tcase_add_test(tc, files_of_another_connection_are_not_dropped);
-    tcase_add_test(tc, a_file_that_has_begun_is_sent_to_its_end);
-    tcase_add_test(tc, a_file_that_is_missing_comes_as_an_empty_one);
-    tcase_add_test(tc, a_file_that_is_removed_meanwhile_is_empty_at_last);
-    tcase_add_loop_test(tc, a_file_that_is_read_when_all_ends_is_sent_to_nobody,
-                        0, 2);
-    tcase_add_loop_test(tc, a_file_that_shrinks_meanwhile_is_empty_at_last, 0,
-                        4);
-    return unit_run_case(tc);
 }

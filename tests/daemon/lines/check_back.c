@@ -38,8 +38,10 @@ one_is_cut(struct msg_unit *a)
     result(W2, &b, 0, b.height, true);
 }
 
+FIXTURE(set_up, tear_down)
+
 /* What happened meanwhile: the job was paused, or the worker drained. */
-START_TEST(one_that_comes_back_gives_back_what_it_may_not_be_at)
+LOOP_TEST(one_that_comes_back_gives_back_what_it_may_not_be_at, 2)
 {
     struct msg_unit a;
     struct msg pause = { .type = MSG_PAUSE, .request = 9, .pause = { id } };
@@ -62,9 +64,8 @@ START_TEST(one_that_comes_back_gives_back_what_it_may_not_be_at)
     wait_ms(500);
     ck_assert_int_eq(count(W1, MSG_UNIT), 0);
 }
-END_TEST
 
-START_TEST(one_that_comes_back_goes_on_with_its_units)
+TEST(one_that_comes_back_goes_on_with_its_units)
 {
     struct msg_unit a;
 
@@ -81,9 +82,8 @@ START_TEST(one_that_comes_back_goes_on_with_its_units)
     ck_assert(f.done);
     ck_assert_double_eq(stat_of("totals", "units_redone"), 0);
 }
-END_TEST
 
-START_TEST(one_that_comes_back_hears_who_waits_for_its_base_line)
+TEST(one_that_comes_back_hears_who_waits_for_its_base_line)
 {
     struct msg_unit a, b;
 
@@ -109,9 +109,8 @@ START_TEST(one_that_comes_back_hears_who_waits_for_its_base_line)
     result(W1, &a, 0, a.height, true);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(what_one_lost_waits_for_it_but_not_for_long)
+TEST(what_one_lost_waits_for_it_but_not_for_long)
 {
     struct msg_unit a, b;
 
@@ -128,9 +127,8 @@ START_TEST(what_one_lost_waits_for_it_but_not_for_long)
     finish(W2, &b);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(nobody_waits_for_one_that_loads)
+TEST(nobody_waits_for_one_that_loads)
 {
     struct msg_unit a, b;
 
@@ -145,9 +143,8 @@ START_TEST(nobody_waits_for_one_that_loads)
     finish(W2, &b);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(one_that_is_soon_ready_gets_what_it_had)
+TEST(one_that_is_soon_ready_gets_what_it_had)
 {
     struct msg_unit a, b;
 
@@ -161,10 +158,9 @@ START_TEST(one_that_is_soon_ready_gets_what_it_had)
     finish(W1, &b);
     ck_assert(f.done);
 }
-END_TEST
 
 /* Its answer to SPLIT was on the connection that broke, or comes now. */
-START_TEST(lines_that_were_given_meanwhile_are_a_unit)
+TEST(lines_that_were_given_meanwhile_are_a_unit)
 {
     struct msg_unit a, b;
     uint32_t height = 1 + 2 * BAR;
@@ -186,9 +182,8 @@ START_TEST(lines_that_were_given_meanwhile_are_a_unit)
     finish(W2, &b);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(what_nobody_has_is_no_unit)
+TEST(what_nobody_has_is_no_unit)
 {
     struct msg_unit a, b;
 
@@ -210,11 +205,10 @@ START_TEST(what_nobody_has_is_no_unit)
     finish(W1, &b);
     ck_assert(f.done && !f.closed[W1]);
 }
-END_TEST
 
 /* The answer to SPLIT was on the connection that broke, and the unit is done.
  */
-START_TEST(rows_that_end_sooner_say_that_lines_were_given)
+TEST(rows_that_end_sooner_say_that_lines_were_given)
 {
     struct msg_unit a, b;
     uint32_t height = 1 + 2 * BAR;
@@ -231,10 +225,9 @@ START_TEST(rows_that_end_sooner_say_that_lines_were_given)
     ck_assert(f.done);
     ck_assert_double_eq(stat_of("totals", "units_redone"), 0);
 }
-END_TEST
 
 /* Each of its processes takes it down. */
-START_TEST(one_that_dies_of_a_unit_does_not_keep_it)
+TEST(one_that_dies_of_a_unit_does_not_keep_it)
 {
     struct msg_unit a, b;
 
@@ -252,9 +245,8 @@ START_TEST(one_that_dies_of_a_unit_does_not_keep_it)
     finish(W2, &b);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(one_that_comes_and_goes_keeps_nothing)
+TEST(one_that_comes_and_goes_keeps_nothing)
 {
     struct msg_unit a, b;
 
@@ -269,9 +261,8 @@ START_TEST(one_that_comes_and_goes_keeps_nothing)
     finish(W2, &b);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(nothing_waits_for_one_that_leaves)
+TEST(nothing_waits_for_one_that_leaves)
 {
     struct msg leave = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
     struct msg_unit a, b;
@@ -286,10 +277,9 @@ START_TEST(nothing_waits_for_one_that_leaves)
     finish(W2, &b);
     ck_assert(f.done);
 }
-END_TEST
 
 /* A unit that is late is so whether its worker's connection breaks or not. */
-START_TEST(the_lease_of_a_unit_goes_on)
+TEST(the_lease_of_a_unit_goes_on)
 {
     struct msg_unit a, b;
 
@@ -309,9 +299,8 @@ START_TEST(the_lease_of_a_unit_goes_on)
     ck_assert(b.unit == a.unit && b.flags & MSG_UNIT_TWIN);
     finish(W2, &b);
 }
-END_TEST
 
-START_TEST(nobody_is_at_attempt_0)
+TEST(nobody_is_at_attempt_0)
 {
     struct msg drain = { .type = MSG_DRAIN,
                          .request = 9,
@@ -331,29 +320,4 @@ START_TEST(nobody_is_at_attempt_0)
     a.attempt = 0;
     still(W1, &a, a.height);
     ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("back");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_loop_test(
-        tc, one_that_comes_back_gives_back_what_it_may_not_be_at, 0, 2);
-    tcase_add_test(tc, one_that_comes_back_goes_on_with_its_units);
-    tcase_add_test(tc, one_that_comes_back_hears_who_waits_for_its_base_line);
-    tcase_add_test(tc, what_one_lost_waits_for_it_but_not_for_long);
-    tcase_add_test(tc, nobody_waits_for_one_that_loads);
-    tcase_add_test(tc, one_that_is_soon_ready_gets_what_it_had);
-    tcase_add_test(tc, lines_that_were_given_meanwhile_are_a_unit);
-    tcase_add_test(tc, what_nobody_has_is_no_unit);
-    tcase_add_test(tc, rows_that_end_sooner_say_that_lines_were_given);
-    tcase_add_test(tc, one_that_dies_of_a_unit_does_not_keep_it);
-    tcase_add_test(tc, one_that_comes_and_goes_keeps_nothing);
-    tcase_add_test(tc, nothing_waits_for_one_that_leaves);
-    tcase_add_test(tc, the_lease_of_a_unit_goes_on);
-    tcase_add_test(tc, nobody_is_at_attempt_0);
-    return unit_run_case(tc);
 }

@@ -3,7 +3,9 @@
 
 #include "lines_fixture.h"
 
-START_TEST(an_idle_worker_gets_half_of_what_another_has_left)
+FIXTURE(set_up, tear_down)
+
+TEST(an_idle_worker_gets_half_of_what_another_has_left)
 {
     struct msg_unit a, b, c;
 
@@ -31,9 +33,8 @@ START_TEST(an_idle_worker_gets_half_of_what_another_has_left)
     finish(W1, &c);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(one_that_has_nothing_to_give_is_not_asked_again)
+TEST(one_that_has_nothing_to_give_is_not_asked_again)
 {
     struct msg_unit a, b;
 
@@ -47,11 +48,10 @@ START_TEST(one_that_has_nothing_to_give_is_not_asked_again)
     ck_assert_int_eq(count(W2, MSG_SPLIT), 1);
     ck_assert_int_eq(count(W1, MSG_UNIT), 1); /* static makes no twins */
 }
-END_TEST
 
 /* It stood still when it was asked, and a twin has begun meanwhile, with all of
  * the unit. */
-START_TEST(lines_that_come_after_a_twin_are_not_given)
+TEST(lines_that_come_after_a_twin_are_not_given)
 {
     struct msg_unit a, b, twin;
 
@@ -69,9 +69,8 @@ START_TEST(lines_that_come_after_a_twin_are_not_given)
     finish(W1, &twin);
     ck_assert(f.done && !f.closed[W1] && !f.closed[W2]);
 }
-END_TEST
 
-START_TEST(without_balance_nobody_is_asked)
+TEST(without_balance_nobody_is_asked)
 {
     struct msg_unit a;
 
@@ -82,9 +81,8 @@ START_TEST(without_balance_nobody_is_asked)
     wait_ms(1000);
     ck_assert_int_eq(count(W2, MSG_SPLIT), 0);
 }
-END_TEST
 
-START_TEST(a_gave_that_fits_no_lines_ends_the_connection)
+TEST(a_gave_that_fits_no_lines_ends_the_connection)
 {
     struct msg_unit a, b;
 
@@ -98,9 +96,8 @@ START_TEST(a_gave_that_fits_no_lines_ends_the_connection)
     gave(W2, &b, BAR + 1);
     ck_assert(f.closed[W2]);
 }
-END_TEST
 
-START_TEST(static_weighs_workers_by_what_earlier_jobs_showed)
+TEST(static_weighs_workers_by_what_earlier_jobs_showed)
 {
     struct msg_unit a, b;
     struct msg tally = { .type = MSG_TALLY, .tally = { .job = id } };
@@ -127,11 +124,10 @@ START_TEST(static_weighs_workers_by_what_earlier_jobs_showed)
                         1.5 * f.c->workers->relative);
     (void)b;
 }
-END_TEST
 
 /* It had nothing left ahead of the truth; under that there are pixels again
  * that no guess could be sure of. */
-START_TEST(one_whose_top_came_may_be_asked_again)
+TEST(one_whose_top_came_may_be_asked_again)
 {
     struct msg_unit a, b, c;
 
@@ -154,21 +150,4 @@ START_TEST(one_whose_top_came_may_be_asked_again)
     ck_assert_int_eq(count(W2, MSG_SPLIT), 2);
     gave(W2, &b, BAR);
     ck_assert_uint_eq(unit_of(W3)->y, b.y + BAR);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("balance");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, an_idle_worker_gets_half_of_what_another_has_left);
-    tcase_add_test(tc, one_that_has_nothing_to_give_is_not_asked_again);
-    tcase_add_test(tc, one_whose_top_came_may_be_asked_again);
-    tcase_add_test(tc, lines_that_come_after_a_twin_are_not_given);
-    tcase_add_test(tc, without_balance_nobody_is_asked);
-    tcase_add_test(tc, a_gave_that_fits_no_lines_ends_the_connection);
-    tcase_add_test(tc, static_weighs_workers_by_what_earlier_jobs_showed);
-    return unit_run_case(tc);
 }

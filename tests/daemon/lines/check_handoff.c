@@ -4,7 +4,9 @@
 
 #include "lines_fixture.h"
 
-START_TEST(lines_go_out_with_what_is_known_of_them)
+FIXTURE(set_up, tear_down)
+
+TEST(lines_go_out_with_what_is_known_of_them)
 {
     struct msg_unit a, b, c;
 
@@ -30,7 +32,6 @@ START_TEST(lines_go_out_with_what_is_known_of_them)
     ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1); /* its top is here */
     ck_assert_uint_eq(last(W2, MSG_BASE_LINE)->m.base_line.n, WIDTH);
 }
-END_TEST
 
 static uint32_t
 waiting(void)
@@ -39,7 +40,7 @@ waiting(void)
 }
 
 /* Two that make a base line make one of them for nothing. */
-START_TEST(a_line_that_the_one_below_makes_is_kept_till_it_is_there)
+TEST(a_line_that_the_one_below_makes_is_kept_till_it_is_there)
 {
     struct msg_unit b;
     uint32_t n;
@@ -53,9 +54,8 @@ START_TEST(a_line_that_the_one_below_makes_is_kept_till_it_is_there)
     facts(W2, line_above(b.y));
     ck_assert_uint_eq(waiting(), n + 1);
 }
-END_TEST
 
-START_TEST(a_kept_line_is_free_when_its_maker_has_no_more_to_do)
+TEST(a_kept_line_is_free_when_its_maker_has_no_more_to_do)
 {
     struct msg_unit b;
     uint32_t n;
@@ -66,9 +66,8 @@ START_TEST(a_kept_line_is_free_when_its_maker_has_no_more_to_do)
     attempt(W2, MSG_PARKED, &b);
     ck_assert_uint_eq(waiting(), n); /* one is out for it */
 }
-END_TEST
 
-START_TEST(a_kept_line_is_free_when_its_maker_is_lost)
+TEST(a_kept_line_is_free_when_its_maker_is_lost)
 {
     uint32_t n;
 
@@ -78,9 +77,8 @@ START_TEST(a_kept_line_is_free_when_its_maker_is_lost)
     carry_out();
     ck_assert_uint_eq(waiting(), n + 3); /* and its two units */
 }
-END_TEST
 
-START_TEST(a_kept_line_is_free_when_its_maker_is_stuck)
+TEST(a_kept_line_is_free_when_its_maker_is_stuck)
 {
     uint32_t n;
 
@@ -91,11 +89,10 @@ START_TEST(a_kept_line_is_free_when_its_maker_is_stuck)
     wait_ms(200);
     ck_assert_uint_eq(waiting(), n + 1);
 }
-END_TEST
 
 /* However long a line takes: no thread waits for our answer.  In the end what
  * one has at hand another would wait for. */
-START_TEST(a_line_is_at_hand_until_few_are_left)
+TEST(a_line_is_at_hand_until_few_are_left)
 {
     struct msg_unit u[2];
     int given = 0;
@@ -119,9 +116,8 @@ START_TEST(a_line_is_at_hand_until_few_are_left)
     ck_assert_int_eq(count(W2, MSG_UNIT), 1);
     ck_assert_int_eq(job_waiting(desk_find_job(f.c, id)), 3);
 }
-END_TEST
 
-START_TEST(both_sides_hear_who_waits_for_a_base_line)
+TEST(both_sides_hear_who_waits_for_a_base_line)
 {
     struct msg_unit a, b;
     const struct said *s;
@@ -142,9 +138,8 @@ START_TEST(both_sides_hear_who_waits_for_a_base_line)
     ck_assert_str_eq(last(W3, MSG_NEXT_HOLDER)->name, "ws2");
     ck_assert_int_eq(count(W3, MSG_JOB_PEERS), 1); /* a link for that */
 }
-END_TEST
 
-START_TEST(a_single_worker_has_no_links_and_whole_frames)
+TEST(a_single_worker_has_no_links_and_whole_frames)
 {
     f.closed[W2] = true;
     coord_closed(f.c, f.now_ms, W2, "cut");
@@ -161,11 +156,10 @@ START_TEST(a_single_worker_has_no_links_and_whole_frames)
     ck_assert_int_eq(count(W1, MSG_JOB_PEERS), 0);
     ck_assert_int_eq(count(W1, MSG_NEXT_HOLDER), 0);
 }
-END_TEST
 
 /* Each frame has a run of each worker; those of one that is drained would wait
  * for ever. */
-START_TEST(what_was_to_be_a_drained_workers_goes_to_others)
+TEST(what_was_to_be_a_drained_workers_goes_to_others)
 {
     struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
     struct msg_unit a[2], b;
@@ -187,10 +181,9 @@ START_TEST(what_was_to_be_a_drained_workers_goes_to_others)
     finish(W1, &b);
     ck_assert(f.done);
 }
-END_TEST
 
 /* Its child is stopped: it has the first unit, and would have another run. */
-START_TEST(what_was_to_be_a_stopped_workers_goes_to_others)
+TEST(what_was_to_be_a_stopped_workers_goes_to_others)
 {
     struct msg tally = { .type = MSG_TALLY, .tally = { .job = id } };
     struct msg_unit u[2], b;
@@ -224,9 +217,8 @@ START_TEST(what_was_to_be_a_stopped_workers_goes_to_others)
     finish(W2, &u[0]);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(one_that_is_drained_before_the_layout_has_no_part)
+TEST(one_that_is_drained_before_the_layout_has_no_part)
 {
     struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
 
@@ -236,36 +228,12 @@ START_TEST(one_that_is_drained_before_the_layout_has_no_part)
     ready(W2);
     ck_assert_uint_eq(unit_of(W1)->height, HEIGHT);
 }
-END_TEST
 
 /* Of the first regions bars come along. */
-START_TEST(who_has_time_makes_bars_along_with_lines)
+TEST(who_has_time_makes_bars_along_with_lines)
 {
     f.tall = true;
     start(MSG_PART_AUTO, 0, 2);
     for (uint64_t w = W1; w <= W2; w++)
         ck_assert_uint_eq(first_unit_of(w)->flags, MSG_UNIT_BARS);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("handoff");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
-    tcase_add_test(tc, who_has_time_makes_bars_along_with_lines);
-    tcase_add_test(tc,
-                   a_line_that_the_one_below_makes_is_kept_till_it_is_there);
-    tcase_add_test(tc, a_kept_line_is_free_when_its_maker_has_no_more_to_do);
-    tcase_add_test(tc, a_kept_line_is_free_when_its_maker_is_lost);
-    tcase_add_test(tc, a_kept_line_is_free_when_its_maker_is_stuck);
-    tcase_add_test(tc, a_line_is_at_hand_until_few_are_left);
-    tcase_add_test(tc, both_sides_hear_who_waits_for_a_base_line);
-    tcase_add_test(tc, a_single_worker_has_no_links_and_whole_frames);
-    tcase_add_test(tc, what_was_to_be_a_drained_workers_goes_to_others);
-    tcase_add_test(tc, what_was_to_be_a_stopped_workers_goes_to_others);
-    tcase_add_test(tc, one_that_is_drained_before_the_layout_has_no_part);
-    return unit_run_case(tc);
 }

@@ -69,7 +69,9 @@ static const enum msg_partition with_loans[] = { MSG_PART_AUTO,
                                                  MSG_PART_SCANBAR,
                                                  MSG_PART_STATIC };
 
-START_TEST(an_idle_worker_is_lent_columns)
+FIXTURE(set_up, tear_down)
+
+LOOP_TEST(an_idle_worker_is_lent_columns, N_ELEM(with_loans))
 {
     struct msg_unit a, b;
 
@@ -94,10 +96,9 @@ START_TEST(an_idle_worker_is_lent_columns)
     finish(W1, &a);
     ck_assert(f.done && !f.closed[W1] && !f.closed[W2]);
 }
-END_TEST
 
 /* It is a part of the unit, and what it costs is known from a former run. */
-START_TEST(what_was_lent_is_counted_to_its_unit)
+TEST(what_was_lent_is_counted_to_its_unit)
 {
     struct msg_unit a, b;
     double rays, w1, w2;
@@ -121,9 +122,8 @@ START_TEST(what_was_lent_is_counted_to_its_unit)
     ck_assert_double_eq(stat_of("totals", "rays"), rays + 60);
     ck_assert_double_eq(stat_of("totals", "dropped_rays"), 0);
 }
-END_TEST
 
-START_TEST(what_was_taken_back_is_in_no_unit)
+TEST(what_was_taken_back_is_in_no_unit)
 {
     struct msg_unit a, b;
 
@@ -139,7 +139,6 @@ START_TEST(what_was_taken_back_is_in_no_unit)
     ck_assert_double_eq(stat_of("totals", "dropped_rays"), 57);
     ck_assert_double_eq(stat_of("totals", "nan_pixels"), 0);
 }
-END_TEST
 
 /* Its PAIDs have said so many rays in all, in so many seconds. */
 static void
@@ -156,7 +155,7 @@ tally(uint64_t conn, uint64_t rays, double busy_s)
 }
 
 /* What it cost is not in the unit, but is not lost either; once. */
-START_TEST(what_was_paid_as_the_connection_broke_is_dropped)
+TEST(what_was_paid_as_the_connection_broke_is_dropped)
 {
     struct msg_unit a, b;
     double rays;
@@ -181,9 +180,8 @@ START_TEST(what_was_paid_as_the_connection_broke_is_dropped)
     finish(W1, &a);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(what_nobody_takes_goes_back_at_once)
+TEST(what_nobody_takes_goes_back_at_once)
 {
     struct msg_unit a;
 
@@ -193,9 +191,8 @@ START_TEST(what_nobody_takes_goes_back_at_once)
     lend(W1, &a, 6, 10);
     expect_own_again(&a);
 }
-END_TEST
 
-START_TEST(columns_of_one_that_is_lost_go_back)
+TEST(columns_of_one_that_is_lost_go_back)
 {
     struct msg_unit a;
 
@@ -206,9 +203,8 @@ START_TEST(columns_of_one_that_is_lost_go_back)
     carry_out();
     expect_own_again(&a);
 }
-END_TEST
 
-START_TEST(columns_that_nobody_waits_for_are_not_late)
+TEST(columns_that_nobody_waits_for_are_not_late)
 {
     struct msg_unit a, b;
 
@@ -219,10 +215,9 @@ START_TEST(columns_that_nobody_waits_for_are_not_late)
     finish(W1, &a);
     ck_assert(f.done);
 }
-END_TEST
 
 /* LEND and PARKED crossed: it lends once more when its top is there. */
-START_TEST(columns_that_are_lent_after_a_wait_are_late_too)
+TEST(columns_that_are_lent_after_a_wait_are_late_too)
 {
     struct msg_unit a, b;
 
@@ -240,9 +235,8 @@ START_TEST(columns_that_are_lent_after_a_wait_are_late_too)
     finish(W1, &a);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(columns_of_one_that_is_late_go_back)
+TEST(columns_of_one_that_is_late_go_back)
 {
     struct msg_unit a, b;
 
@@ -261,9 +255,8 @@ START_TEST(columns_of_one_that_is_late_go_back)
     finish(W1, &a);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(columns_can_be_lent_on)
+TEST(columns_can_be_lent_on)
 {
     struct msg_unit a, b, c;
 
@@ -282,9 +275,8 @@ START_TEST(columns_can_be_lent_on)
     finish(W1, &a);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(when_the_lender_goes_its_columns_are_dropped)
+TEST(when_the_lender_goes_its_columns_are_dropped)
 {
     struct msg tally = { .type = MSG_TALLY,
                          .tally = { .job = id, .dropped = { .rays = 7 } } };
@@ -309,10 +301,9 @@ START_TEST(when_the_lender_goes_its_columns_are_dropped)
     ck_assert_double_eq(stat_of("totals", "dropped_rays"), 7);
     ck_assert_double_eq(stat_of("totals", "rays"), rays);
 }
-END_TEST
 
 /* Its connection broke, and it has all columns again. */
-START_TEST(a_lender_that_comes_back_goes_on)
+TEST(a_lender_that_comes_back_goes_on)
 {
     struct msg still = { .type = MSG_STILL };
     struct msg_unit a, loan = lend_right(2, &a);
@@ -330,7 +321,6 @@ START_TEST(a_lender_that_comes_back_goes_on)
     ck_assert(f.done);
     ck_assert_double_eq(stat_of("totals", "units_redone"), 0);
 }
-END_TEST
 
 /* What is wrong with it: columns, flags, densities. */
 static const struct {
@@ -343,7 +333,7 @@ static const struct {
               { 6, 10, 0, 4, 0 },
               { 6, 10, MSG_LOAN_LINE, 3, 1 } };
 
-START_TEST(a_loan_that_fits_no_line_ends_the_connection)
+LOOP_TEST(a_loan_that_fits_no_line_ends_the_connection, N_ELEM(wrong))
 {
     struct msg m = { .type = MSG_LOAN,
                      .loan = { .job = id,
@@ -375,29 +365,4 @@ START_TEST(a_loan_that_fits_no_line_ends_the_connection)
     wait_ms(2000);
     finish(W2, unit_of(W2)); /* the job goes on */
     ck_assert(f.done && !f.failed);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("lending");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_loop_test(tc, an_idle_worker_is_lent_columns, 0,
-                        N_ELEM(with_loans));
-    tcase_add_test(tc, what_nobody_takes_goes_back_at_once);
-    tcase_add_test(tc, what_was_lent_is_counted_to_its_unit);
-    tcase_add_test(tc, what_was_taken_back_is_in_no_unit);
-    tcase_add_test(tc, what_was_paid_as_the_connection_broke_is_dropped);
-    tcase_add_test(tc, columns_of_one_that_is_lost_go_back);
-    tcase_add_test(tc, columns_that_nobody_waits_for_are_not_late);
-    tcase_add_test(tc, columns_that_are_lent_after_a_wait_are_late_too);
-    tcase_add_test(tc, columns_of_one_that_is_late_go_back);
-    tcase_add_test(tc, columns_can_be_lent_on);
-    tcase_add_test(tc, when_the_lender_goes_its_columns_are_dropped);
-    tcase_add_test(tc, a_lender_that_comes_back_goes_on);
-    tcase_add_loop_test(tc, a_loan_that_fits_no_line_ends_the_connection, 0,
-                        N_ELEM(wrong));
-    return unit_run_case(tc);
 }

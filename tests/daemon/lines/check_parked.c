@@ -4,7 +4,9 @@
 
 #include "lines_fixture.h"
 
-START_TEST(facts_go_to_whoever_has_the_line_now_and_later)
+FIXTURE(set_up, tear_down)
+
+TEST(facts_go_to_whoever_has_the_line_now_and_later)
 {
     struct msg_unit a, b;
     uint32_t line;
@@ -34,11 +36,10 @@ START_TEST(facts_go_to_whoever_has_the_line_now_and_later)
     /* and two that both had made */
     ck_assert_double_eq(stat_of("totals", "speculative_rays"), 2 + 2);
 }
-END_TEST
 
 /* Guesses go to the worker of the unit below, the best of them also to a worker
  * that gets the unit later. */
-START_TEST(a_guess_goes_to_whoever_has_the_unit_below)
+TEST(a_guess_goes_to_whoever_has_the_unit_below)
 {
     struct msg_unit a, b;
     uint32_t line;
@@ -70,9 +71,8 @@ START_TEST(a_guess_goes_to_whoever_has_the_unit_below)
     ck_assert_int_eq(count(W2, MSG_GUESS), 0); /* the truth is here */
     result(W1, &a, 0, a.height, true);
 }
-END_TEST
 
-START_TEST(a_guess_that_fits_no_line_ends_the_connection)
+TEST(a_guess_that_fits_no_line_ends_the_connection)
 {
     struct msg m = { .type = MSG_GUESS,
                      .guess = { id, 0, 0, 1, ndensity() - 1, density } };
@@ -87,9 +87,8 @@ START_TEST(a_guess_that_fits_no_line_ends_the_connection)
     guess(W1, UINT32_MAX, 1); /* line 0, which W1 has, is not the next */
     ck_assert(f.closed[W1]);
 }
-END_TEST
 
-START_TEST(facts_that_fit_no_line_end_the_connection)
+TEST(facts_that_fit_no_line_end_the_connection)
 {
     struct msg m = { .type = MSG_FACTS,
                      .facts = { id, 0, 0, 0, BAR, WIDTH, 0, 3, bitmap, pixels,
@@ -99,9 +98,8 @@ START_TEST(facts_that_fit_no_line_end_the_connection)
     say(W1, &m); /* line 0 has one row */
     ck_assert(f.closed[W1]);
 }
-END_TEST
 
-START_TEST(a_parked_unit_takes_no_room)
+TEST(a_parked_unit_takes_no_room)
 {
     struct msg_unit b, c;
 
@@ -117,9 +115,8 @@ START_TEST(a_parked_unit_takes_no_room)
     attempt(W2, MSG_PARKED, &b); /* once is enough */
     ck_assert_int_eq(count(W2, MSG_UNIT), 1);
 }
-END_TEST
 
-START_TEST(a_parked_unit_is_work_again_when_its_top_is_there)
+TEST(a_parked_unit_is_work_again_when_its_top_is_there)
 {
     const struct job_worker *w;
     struct msg_unit b;
@@ -136,9 +133,8 @@ START_TEST(a_parked_unit_is_work_again_when_its_top_is_there)
     finish(W2, &b);
     ck_assert(w->parked == 0 && w->in_flight == 0 && w->lines == 0);
 }
-END_TEST
 
-START_TEST(while_its_rows_go_to_the_disk_a_worker_has_other_work)
+TEST(while_its_rows_go_to_the_disk_a_worker_has_other_work)
 {
     struct msg bye = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
     struct msg_unit a;
@@ -156,9 +152,8 @@ START_TEST(while_its_rows_go_to_the_disk_a_worker_has_other_work)
     ck_assert_int_eq(count(W1, MSG_UNIT), 0);
     ck_assert_int_eq(count(W1, MSG_BYE), 0); /* it may have to send again */
 }
-END_TEST
 
-START_TEST(a_base_line_reaches_one_that_waits_when_its_link_is_broken)
+TEST(a_base_line_reaches_one_that_waits_when_its_link_is_broken)
 {
     struct msg_unit a, b;
 
@@ -179,9 +174,8 @@ START_TEST(a_base_line_reaches_one_that_waits_when_its_link_is_broken)
     ck_assert(f.done);
     ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1);
 }
-END_TEST
 
-START_TEST(a_base_line_goes_at_once_where_there_can_be_no_link)
+TEST(a_base_line_goes_at_once_where_there_can_be_no_link)
 {
     struct msg_unit b;
 
@@ -195,9 +189,8 @@ START_TEST(a_base_line_goes_at_once_where_there_can_be_no_link)
     base_line(W1, 0, line_above(b.y));
     ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1);
 }
-END_TEST
 
-START_TEST(a_base_line_that_fits_no_line_ends_the_connection)
+TEST(a_base_line_that_fits_no_line_ends_the_connection)
 {
     struct msg m = { .type = MSG_BASE_LINE,
                      .base_line = { id, 0, 3, 1, WIDTH, 0, 0, 3, density,
@@ -207,10 +200,9 @@ START_TEST(a_base_line_that_fits_no_line_ends_the_connection)
     say(W1, &m);
     ck_assert(f.closed[W1]);
 }
-END_TEST
 
 /* Three times, and the job fails; the rows are not taken. */
-START_TEST(a_unit_without_its_base_line_is_done_again)
+TEST(a_unit_without_its_base_line_is_done_again)
 {
     submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "uniform", 1);
     ready(W1);
@@ -224,9 +216,8 @@ START_TEST(a_unit_without_its_base_line_is_done_again)
     ck_assert(f.failed);
     ck_assert_ptr_nonnull(strstr(f.why, "unit 0 came incomplete"));
 }
-END_TEST
 
-START_TEST(a_lost_workers_units_wait_again_the_parked_ones_too)
+TEST(a_lost_workers_units_wait_again_the_parked_ones_too)
 {
     struct msg_unit b;
     bool again = false;
@@ -249,9 +240,8 @@ START_TEST(a_lost_workers_units_wait_again_the_parked_ones_too)
     /* the unit's, and its last line's to the one below */
     ck_assert_int_eq(count(W3, MSG_FACTS), 2);
 }
-END_TEST
 
-START_TEST(one_that_leaves_gives_up_what_only_waits)
+TEST(one_that_leaves_gives_up_what_only_waits)
 {
     struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
     struct msg_unit a, b;
@@ -272,9 +262,8 @@ START_TEST(one_that_leaves_gives_up_what_only_waits)
     finish(W1, &a);
     ck_assert_uint_eq(unit_of(W1)->unit, b.unit);
 }
-END_TEST
 
-START_TEST(rows_that_cross_a_revoke_bring_nothing_back)
+TEST(rows_that_cross_a_revoke_bring_nothing_back)
 {
     struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
     struct msg_unit a, b;
@@ -290,29 +279,4 @@ START_TEST(rows_that_cross_a_revoke_bring_nothing_back)
     ck_assert_int_eq(count(W2, MSG_ACK), 1);
     finish(W1, &a);
     ck_assert_uint_eq(unit_of(W1)->unit, b.unit);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("parked");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, facts_go_to_whoever_has_the_line_now_and_later);
-    tcase_add_test(tc, a_guess_goes_to_whoever_has_the_unit_below);
-    tcase_add_test(tc, a_guess_that_fits_no_line_ends_the_connection);
-    tcase_add_test(tc, facts_that_fit_no_line_end_the_connection);
-    tcase_add_test(tc, a_parked_unit_takes_no_room);
-    tcase_add_test(tc, a_parked_unit_is_work_again_when_its_top_is_there);
-    tcase_add_test(tc, while_its_rows_go_to_the_disk_a_worker_has_other_work);
-    tcase_add_test(tc,
-                   a_base_line_reaches_one_that_waits_when_its_link_is_broken);
-    tcase_add_test(tc, a_base_line_goes_at_once_where_there_can_be_no_link);
-    tcase_add_test(tc, a_base_line_that_fits_no_line_ends_the_connection);
-    tcase_add_test(tc, a_unit_without_its_base_line_is_done_again);
-    tcase_add_test(tc, a_lost_workers_units_wait_again_the_parked_ones_too);
-    tcase_add_test(tc, one_that_leaves_gives_up_what_only_waits);
-    tcase_add_test(tc, rows_that_cross_a_revoke_bring_nothing_back);
-    return unit_run_case(tc);
 }

@@ -43,7 +43,7 @@ static const struct {
     { 50, 40, 0, 16 },    { 8200, 2050, 0, 4096 },
 };
 
-START_TEST(every_pixel_is_in_one_window)
+LOOP_TEST(every_pixel_is_in_one_window, N_ELEM(sizes))
 {
     uint32_t w = sizes[_i].width, h = sizes[_i].height;
     struct partition *p = make(w, h, sizes[_i].windows, MSG_ORDER_FORWARD);
@@ -70,10 +70,9 @@ START_TEST(every_pixel_is_in_one_window)
     free(seen);
     partition_free(p);
 }
-END_TEST
 
 /* 64 windows of a picture of 384 by 256: near-equal, close to square. */
-START_TEST(windows_are_near_equal_and_near_square)
+TEST(windows_are_near_equal_and_near_square)
 {
     struct partition *p = make(384, 256, 64, MSG_ORDER_FORWARD);
 
@@ -88,9 +87,8 @@ START_TEST(windows_are_near_equal_and_near_square)
     }
     partition_free(p);
 }
-END_TEST
 
-START_TEST(orders_are_what_their_names_say)
+TEST(orders_are_what_their_names_say)
 {
     enum { N = 20 };
     uint32_t random[N], unit;
@@ -117,9 +115,8 @@ START_TEST(orders_are_what_their_names_say)
     }
     ck_assert_int_gt(moved, N / 2);
 }
-END_TEST
 
-START_TEST(lost_units_go_out_before_the_others)
+TEST(lost_units_go_out_before_the_others)
 {
     struct partition *p = make(100, 100, 10, MSG_ORDER_FORWARD);
     uint32_t unit;
@@ -134,9 +131,8 @@ START_TEST(lost_units_go_out_before_the_others)
     ck_assert(next(p, &unit) && unit == 3);
     partition_free(p);
 }
-END_TEST
 
-START_TEST(a_unit_that_was_taken_does_not_go_out)
+TEST(a_unit_that_was_taken_does_not_go_out)
 {
     struct partition *p = make(100, 100, 4, MSG_ORDER_FORWARD);
     uint32_t unit;
@@ -154,10 +150,9 @@ START_TEST(a_unit_that_was_taken_does_not_go_out)
     ck_assert(next(p, &unit) && unit == 1);
     partition_free(p);
 }
-END_TEST
 
 /* Whether they wait, came back or are taken out of turn. */
-START_TEST(frames_that_are_not_open_stay)
+TEST(frames_that_are_not_open_stay)
 {
     struct msg_frame f[2] = { { 0, 40, 40, "" }, { 1, 40, 40, "" } };
     struct partition_spec spec = {
@@ -185,9 +180,8 @@ START_TEST(frames_that_are_not_open_stay)
     ck_assert_uint_eq(unit, 6);
     partition_free(p);
 }
-END_TEST
 
-START_TEST(frames_go_out_in_their_order)
+TEST(frames_go_out_in_their_order)
 {
     struct msg_frame f[3] = { { 1, 10, 10, "" },
                               { 2, 5, 5, "" },
@@ -209,9 +203,8 @@ START_TEST(frames_go_out_in_their_order)
     }
     partition_free(p);
 }
-END_TEST
 
-START_TEST(fresh_windows_go_out_frame_by_frame)
+TEST(fresh_windows_go_out_frame_by_frame)
 {
     struct msg_frame f[2] = { { .width = 40, .height = 40 },
                               { .width = 40, .height = 40 } };
@@ -246,10 +239,9 @@ START_TEST(fresh_windows_go_out_frame_by_frame)
     ck_assert(!next(p, &unit));
     partition_free(p);
 }
-END_TEST
 
 /* Dearest first: by costs of lines that were given, and by an estimate. */
-START_TEST(windows_go_out_by_cost)
+TEST(windows_go_out_by_cost)
 {
     static struct msg_frame film = { 0, 40, 61, "" };
     float given[21] = { [12] = 10, [13] = 10 };
@@ -280,7 +272,6 @@ START_TEST(windows_go_out_by_cost)
         ck_assert(next(p, &unit) && unit == want[i]);
     partition_free(p);
 }
-END_TEST
 
 static const struct {
     enum msg_partition kind;
@@ -295,7 +286,7 @@ static const struct {
     { MSG_PART_WINDOW, 10, 0, 65534, "costs of 65534 lines" },
 };
 
-START_TEST(what_cannot_be_is_refused_by_name)
+LOOP_TEST(what_cannot_be_is_refused_by_name, N_ELEM(refused))
 {
     struct msg_frame f = { 0, refused[_i].width, 65535, "" };
     struct partition_spec spec = { .kind = refused[_i].kind,
@@ -310,7 +301,6 @@ START_TEST(what_cannot_be_is_refused_by_name)
     ck_assert_int_eq(err.code, RAD_EUSAGE);
     ck_assert_msg(strstr(err.what, refused[_i].what) != NULL, "%s", err.what);
 }
-END_TEST
 
 static struct partition *
 make_scanbar(uint32_t w, uint32_t h)
@@ -327,7 +317,7 @@ make_scanbar(uint32_t w, uint32_t h)
 
 /* Some units of a partition go out; one made anew from their areas hands out
  * the rest. */
-START_TEST(a_partition_is_made_again_from_its_units)
+LOOP_TEST(a_partition_is_made_again_from_its_units, 2)
 {
     struct partition *p =
         _i ? make_scanbar(60, 60) : make(60, 60, 9, MSG_ORDER_BACKWARD);
@@ -353,11 +343,10 @@ START_TEST(a_partition_is_made_again_from_its_units)
     partition_free(p);
     partition_free(q);
 }
-END_TEST
 
 /* The same where frames go out one after the other: that of which there was
  * something has begun, whatever of it is under way. */
-START_TEST(a_frame_that_has_begun_goes_on_after_a_restart)
+LOOP_TEST(a_frame_that_has_begun_goes_on_after_a_restart, MSG_ORDER_COST + 1)
 {
     struct msg_frame f[2] = { { 1, 40, 40, "" }, { 2, 40, 40, "" } };
     struct partition_spec spec = { .kind = MSG_PART_WINDOW,
@@ -382,7 +371,6 @@ START_TEST(a_frame_that_has_begun_goes_on_after_a_restart)
     ck_assert(!next(p, &unit));
     partition_free(p);
 }
-END_TEST
 
 /* Of a picture of 60 by 60 with lines of row 0, rows 1 to 3, 4 to 6 ... */
 static const struct partition_area no_unit[] = {
@@ -392,7 +380,7 @@ static const struct partition_area no_unit[] = {
     { 0, 0, 1, 60, 0 },  { 0, 0, 0, 60, UINT32_MAX },
 };
 
-START_TEST(what_is_no_unit_is_not_made_one)
+LOOP_TEST(what_is_no_unit_is_not_made_one, N_ELEM(no_unit))
 {
     static const struct partition_area taken = { 0, 0, 4, 60, 3 };
     struct partition *p = make_scanbar(60, 60);
@@ -402,29 +390,4 @@ START_TEST(what_is_no_unit_is_not_made_one)
     ck_assert(!partition_restore(
         p, 5, &(struct partition_area){ 0, 0, 0, 60, 1 })); /* a gap */
     partition_free(p);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("partition");
-
-    tcase_add_loop_test(tc, every_pixel_is_in_one_window, 0, N_ELEM(sizes));
-    tcase_add_test(tc, windows_are_near_equal_and_near_square);
-    tcase_add_test(tc, orders_are_what_their_names_say);
-    tcase_add_test(tc, lost_units_go_out_before_the_others);
-    tcase_add_test(tc, a_unit_that_was_taken_does_not_go_out);
-    tcase_add_test(tc, frames_that_are_not_open_stay);
-    tcase_add_test(tc, frames_go_out_in_their_order);
-    tcase_add_test(tc, fresh_windows_go_out_frame_by_frame);
-    tcase_add_test(tc, windows_go_out_by_cost);
-    tcase_add_loop_test(tc, what_cannot_be_is_refused_by_name, 0,
-                        N_ELEM(refused));
-    tcase_add_loop_test(tc, a_partition_is_made_again_from_its_units, 0, 2);
-    tcase_add_loop_test(tc, a_frame_that_has_begun_goes_on_after_a_restart, 0,
-                        MSG_ORDER_COST + 1);
-    tcase_add_loop_test(tc, what_is_no_unit_is_not_made_one, 0,
-                        N_ELEM(no_unit));
-    return unit_run_case(tc);
 }

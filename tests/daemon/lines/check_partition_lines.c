@@ -74,7 +74,7 @@ check_cover(const struct partition *p, uint32_t nframes)
             ck_assert_uint_eq(seen[f][y], 1);
 }
 
-START_TEST(lines_are_base_lines_with_the_bar_above)
+TEST(lines_are_base_lines_with_the_bar_above)
 {
     struct partition *p = lines(MSG_PART_SCANBAR, 2);
     struct partition_area a;
@@ -94,12 +94,11 @@ START_TEST(lines_are_base_lines_with_the_bar_above)
     ck_assert_uint_eq(partition_line_unit(p, 0, 3), PARTITION_NONE);
     partition_free(p);
 }
-END_TEST
 
 /* The first of three are some lines apart, then each goes on with what follows;
  * one that comes upon another's lines begins below all, and when there is
  * nothing below helps in the middle of what is left of the topmost. */
-START_TEST(scanbar_hands_out_single_lines)
+TEST(scanbar_hands_out_single_lines)
 {
     static const struct {
         uint32_t worker, first, last;
@@ -122,7 +121,6 @@ START_TEST(scanbar_hands_out_single_lines)
     check_cover(p, 1);
     partition_free(p);
 }
-END_TEST
 
 /* One frame of 151 lines, for three workers many. */
 static struct partition *
@@ -141,7 +139,7 @@ many_lines(void)
 
 /* Towards the end its regions get smaller; then the middle of the topmost
  * stretch that is free comes. */
-START_TEST(scanbar_of_many_lines_ends_with_small_regions)
+TEST(scanbar_of_many_lines_ends_with_small_regions)
 {
     static const uint32_t want[] = { 0,   17,  34,  51,  68,  85,
                                      100, 111, 120, 128, 136, 144 };
@@ -156,11 +154,10 @@ START_TEST(scanbar_of_many_lines_ends_with_small_regions)
     ck_assert_uint_eq(first, 9);
     partition_free(p);
 }
-END_TEST
 
 /* A line to which nobody comes by itself holds up all below it: whoever begins
  * anew begins there. */
-START_TEST(scanbar_leaves_no_line_behind)
+TEST(scanbar_leaves_no_line_behind)
 {
     struct partition *p = many_lines();
     uint32_t first, last, unit;
@@ -180,9 +177,8 @@ START_TEST(scanbar_leaves_no_line_behind)
     ck_assert(cut(p, 1, 3, &first, &last, &unit) && first == 52);
     partition_free(p);
 }
-END_TEST
 
-START_TEST(auto_gives_one_worker_whole_frames)
+TEST(auto_gives_one_worker_whole_frames)
 {
     struct partition *p = lines(MSG_PART_AUTO, 3);
     uint32_t first, last, unit;
@@ -199,9 +195,8 @@ START_TEST(auto_gives_one_worker_whole_frames)
     ck_assert_ptr_nonnull(strstr(partition_choice(p), "one worker"));
     partition_free(p);
 }
-END_TEST
 
-START_TEST(a_line_that_is_kept_back_goes_out_when_it_is_not)
+TEST(a_line_that_is_kept_back_goes_out_when_it_is_not)
 {
     struct partition *p = lines(MSG_PART_SCANBAR, 2);
     uint32_t first, last, unit, n = partition_waiting(p);
@@ -227,11 +222,10 @@ START_TEST(a_line_that_is_kept_back_goes_out_when_it_is_not)
     ck_assert_uint_eq(partition_waiting(p), 0);
     partition_free(p);
 }
-END_TEST
 
 /* Units of auto get smaller, none is below what is worth one, and several
  * frames are cut only when few are left. */
-START_TEST(auto_cuts_shares_of_what_is_left)
+TEST(auto_cuts_shares_of_what_is_left)
 {
     struct partition *p = lines(MSG_PART_AUTO, 3);
     struct partition_ask ask = { .workers = 2, .share = .5, .least = 360 };
@@ -258,11 +252,10 @@ START_TEST(auto_cuts_shares_of_what_is_left)
     check_cover(p, 3);
     partition_free(p);
 }
-END_TEST
 
 /* So many workers that there are no regions: all lines are out soon, and only
  * the last units are smaller. */
-START_TEST(auto_has_all_lines_out_early)
+TEST(auto_has_all_lines_out_early)
 {
     static struct msg_frame tall = { 0, 40, 1441, "" }; /* 481 lines */
     struct partition_spec spec = lines_spec(MSG_PART_AUTO, 1);
@@ -279,12 +272,11 @@ START_TEST(auto_has_all_lines_out_early)
     ck_assert(n > 60 && n < 100); /* without a least: 150 */
     partition_free(p);
 }
-END_TEST
 
 /* Where there are many lines for each worker it has regions, one after the
  * other, and takes its time but for the last; where there are few, units follow
  * each other. */
-START_TEST(auto_gives_regions_where_there_are_many_lines)
+TEST(auto_gives_regions_where_there_are_many_lines)
 {
     static struct msg_frame tall = { 0, 40, 289, "" }; /* 97 lines */
     struct partition_spec spec = lines_spec(MSG_PART_AUTO, 1);
@@ -319,11 +311,10 @@ START_TEST(auto_gives_regions_where_there_are_many_lines)
     ck_assert(!partition_unit_bars(p, unit));
     partition_free(p);
 }
-END_TEST
 
 /* A long run begins with the base line that its neighbour needs, and takes its
  * time for most of what is left; a short one is one unit. */
-START_TEST(static_cuts_long_runs_in_three)
+TEST(static_cuts_long_runs_in_three)
 {
     static struct msg_frame tall = { 0, 40, 1441, "" }; /* 481 lines */
     static const double speed[] = { 1, 1, 1, 1, 1, 1, 1, 1 };
@@ -352,10 +343,9 @@ START_TEST(static_cuts_long_runs_in_three)
     ck_assert(first == 61 && last == 121 && !partition_unit_bars(p, unit));
     partition_free(p);
 }
-END_TEST
 
 /* Speeds 1 : 3, costs that differ by line. */
-START_TEST(static_gives_runs_of_equal_cost_for_the_speed)
+TEST(static_gives_runs_of_equal_cost_for_the_speed)
 {
     struct partition *p = lines(MSG_PART_STATIC, 2);
     static const double speed[] = { 1, 3 };
@@ -381,9 +371,8 @@ START_TEST(static_gives_runs_of_equal_cost_for_the_speed)
     check_cover(p, 2);
     partition_free(p);
 }
-END_TEST
 
-START_TEST(without_balance_only_absent_workers_lose_their_runs)
+TEST(without_balance_only_absent_workers_lose_their_runs)
 {
     struct partition_spec spec = lines_spec(MSG_PART_STATIC, 1);
     static const double speed[] = { 1, 1 };
@@ -403,9 +392,8 @@ START_TEST(without_balance_only_absent_workers_lose_their_runs)
     check_cover(p, 1);
     partition_free(p);
 }
-END_TEST
 
-START_TEST(fresh_frames_go_out_one_after_another)
+TEST(fresh_frames_go_out_one_after_another)
 {
     struct partition_spec spec = lines_spec(MSG_PART_SCANBAR, 2);
     struct partition *p;
@@ -423,9 +411,8 @@ START_TEST(fresh_frames_go_out_one_after_another)
     ck_assert(cut(p, 0, 1, &first, &last, &unit) && first == 0);
     partition_free(p);
 }
-END_TEST
 
-START_TEST(a_unit_gives_whole_lines)
+TEST(a_unit_gives_whole_lines)
 {
     struct partition *p = lines(MSG_PART_AUTO, 1);
     struct partition_area a;
@@ -454,27 +441,4 @@ START_TEST(a_unit_gives_whole_lines)
     partition_lost(p, given);
     ck_assert(cut(p, 0, 1, &first, &last, &unit) && unit == given);
     partition_free(p);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("lines");
-
-    tcase_add_test(tc, lines_are_base_lines_with_the_bar_above);
-    tcase_add_test(tc, scanbar_hands_out_single_lines);
-    tcase_add_test(tc, scanbar_of_many_lines_ends_with_small_regions);
-    tcase_add_test(tc, scanbar_leaves_no_line_behind);
-    tcase_add_test(tc, auto_gives_one_worker_whole_frames);
-    tcase_add_test(tc, a_line_that_is_kept_back_goes_out_when_it_is_not);
-    tcase_add_test(tc, auto_cuts_shares_of_what_is_left);
-    tcase_add_test(tc, auto_has_all_lines_out_early);
-    tcase_add_test(tc, auto_gives_regions_where_there_are_many_lines);
-    tcase_add_test(tc, static_gives_runs_of_equal_cost_for_the_speed);
-    tcase_add_test(tc, static_cuts_long_runs_in_three);
-    tcase_add_test(tc, without_balance_only_absent_workers_lose_their_runs);
-    tcase_add_test(tc, fresh_frames_go_out_one_after_another);
-    tcase_add_test(tc, a_unit_gives_whole_lines);
-    return unit_run_case(tc);
 }

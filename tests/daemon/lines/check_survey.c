@@ -24,8 +24,10 @@ line_stats(json_t **root)
     return json_object_get(*root, "line_s");
 }
 
+FIXTURE(set_up, tear_down)
+
 /* What all who were at a line spent; of none that the picture does not have. */
-START_TEST(what_lines_cost_is_added_up)
+TEST(what_lines_cost_is_added_up)
 {
     static const double want[LINES] = { 1, 3, 2.5, .5 };
     json_t *root, *costs;
@@ -48,11 +50,10 @@ START_TEST(what_lines_cost_is_added_up)
     ck_assert(!f.closed[W1]);
     json_decref(root);
 }
-END_TEST
 
 /* Of what a worker that is lost has done nothing is said: what is known is not
  * all. */
-START_TEST(what_lines_cost_is_not_told_by_half)
+TEST(what_lines_cost_is_not_told_by_half)
 {
     json_t *root;
 
@@ -64,7 +65,6 @@ START_TEST(what_lines_cost_is_not_told_by_half)
     ck_assert_ptr_null(line_stats(&root));
     json_decref(root);
 }
-END_TEST
 
 static void
 estimated(uint64_t conn, const struct msg_estimate *m, uint32_t n)
@@ -78,7 +78,7 @@ estimated(uint64_t conn, const struct msg_estimate *m, uint32_t n)
     say(conn, &r);
 }
 
-START_TEST(an_estimate_comes_before_the_first_unit)
+TEST(an_estimate_comes_before_the_first_unit)
 {
     uint32_t chunks = 0;
 
@@ -100,9 +100,8 @@ START_TEST(an_estimate_comes_before_the_first_unit)
     ck_assert_double_eq(stat_of("totals", "estimate_rays"), 5 * chunks);
     ck_assert_double_eq(stat_of("time", "estimate_s"), .05);
 }
-END_TEST
 
-START_TEST(areas_of_a_lost_or_late_worker_go_to_another)
+TEST(areas_of_a_lost_or_late_worker_go_to_another)
 {
     uint32_t lost;
 
@@ -127,9 +126,8 @@ START_TEST(areas_of_a_lost_or_late_worker_go_to_another)
               last(W3, MSG_ESTIMATE)->m.estimate.nareas);
     ck_assert_ptr_nonnull(last(W3, MSG_UNIT));
 }
-END_TEST
 
-START_TEST(an_estimate_of_other_areas_ends_the_connection)
+TEST(an_estimate_of_other_areas_ends_the_connection)
 {
     struct msg_estimate m;
 
@@ -139,7 +137,6 @@ START_TEST(an_estimate_of_other_areas_ends_the_connection)
     estimated(W1, &m, m.nareas + 1);
     ck_assert(f.closed[W1]);
 }
-END_TEST
 
 static void
 child_dies(uint64_t conn)
@@ -152,7 +149,7 @@ child_dies(uint64_t conn)
 }
 
 /* The unit that has the pixel will be told from the others. */
-START_TEST(an_estimate_that_children_die_of_is_given_up)
+TEST(an_estimate_that_children_die_of_is_given_up)
 {
     submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "5a", 1);
     ready(W1);
@@ -163,9 +160,8 @@ START_TEST(an_estimate_that_children_die_of_is_given_up)
     ck_assert_int_eq(count(W1, MSG_UNIT), 1);
     ck_assert_int_eq(count(W1, MSG_ESTIMATE), 2);
 }
-END_TEST
 
-START_TEST(an_estimate_that_nobody_asked_for_is_ignored)
+TEST(an_estimate_that_nobody_asked_for_is_ignored)
 {
     struct msg_estimate m = { .id = UINT32_MAX, .nareas = 1 };
 
@@ -181,9 +177,8 @@ START_TEST(an_estimate_that_nobody_asked_for_is_ignored)
     ck_assert(!f.closed[W1]);
     ck_assert_ptr_null(last(W1, MSG_UNIT));
 }
-END_TEST
 
-START_TEST(threads_that_estimate_count_for_the_owner)
+TEST(threads_that_estimate_count_for_the_owner)
 {
     struct msg cancel = { .type = MSG_CANCEL, .cancel = { id } };
     const struct coord_owner *owner;
@@ -196,9 +191,8 @@ START_TEST(threads_that_estimate_count_for_the_owner)
     say(ANA, &cancel);
     ck_assert_uint_eq(owner->threads, 0);
 }
-END_TEST
 
-START_TEST(a_worker_that_estimates_stays_at_it)
+TEST(a_worker_that_estimates_stays_at_it)
 {
     static const uint8_t bobs[MSG_JOB] = { 0xbb };
     struct msg m = { .type = MSG_SUBMIT,
@@ -220,23 +214,4 @@ START_TEST(a_worker_that_estimates_stays_at_it)
     say(ADMIN, &m);
     ck_assert_ptr_nonnull(desk_find_job(f.c, bobs));
     ck_assert_int_eq(count(W1, MSG_JOB_START), 1);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("survey");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, what_lines_cost_is_added_up);
-    tcase_add_test(tc, what_lines_cost_is_not_told_by_half);
-    tcase_add_test(tc, an_estimate_comes_before_the_first_unit);
-    tcase_add_test(tc, areas_of_a_lost_or_late_worker_go_to_another);
-    tcase_add_test(tc, an_estimate_of_other_areas_ends_the_connection);
-    tcase_add_test(tc, an_estimate_that_children_die_of_is_given_up);
-    tcase_add_test(tc, an_estimate_that_nobody_asked_for_is_ignored);
-    tcase_add_test(tc, threads_that_estimate_count_for_the_owner);
-    tcase_add_test(tc, a_worker_that_estimates_stays_at_it);
-    return unit_run_case(tc);
 }

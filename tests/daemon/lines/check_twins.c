@@ -18,7 +18,9 @@ twins(struct msg_unit *a, struct msg_unit *b)
     ck_assert_uint_eq(desk_find_job(f.c, id)->nout, 1);
 }
 
-START_TEST(the_first_of_twins_whose_rows_come_leads)
+FIXTURE(set_up, tear_down)
+
+TEST(the_first_of_twins_whose_rows_come_leads)
 {
     struct msg_unit a, b;
 
@@ -43,9 +45,8 @@ START_TEST(the_first_of_twins_whose_rows_come_leads)
     ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(when_the_leader_goes_one_that_sent_nothing_goes_on)
+TEST(when_the_leader_goes_one_that_sent_nothing_goes_on)
 {
     struct msg_unit a, b;
 
@@ -57,9 +58,8 @@ START_TEST(when_the_leader_goes_one_that_sent_nothing_goes_on)
     finish(W1, &a);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(when_the_leader_goes_one_whose_rows_were_dropped_begins_anew)
+TEST(when_the_leader_goes_one_whose_rows_were_dropped_begins_anew)
 {
     struct msg_unit a, b;
 
@@ -78,9 +78,8 @@ START_TEST(when_the_leader_goes_one_whose_rows_were_dropped_begins_anew)
     finish(W1, &b);
     ck_assert(f.done);
 }
-END_TEST
 
-START_TEST(a_very_late_unit_gets_a_twin_with_scanbar_too)
+TEST(a_very_late_unit_gets_a_twin_with_scanbar_too)
 {
     start(MSG_PART_SCANBAR, 0, 1);
     f.closed[W2] = true;
@@ -99,10 +98,9 @@ START_TEST(a_very_late_unit_gets_a_twin_with_scanbar_too)
     ck_assert(unit_of(W3)->flags & MSG_UNIT_TWIN);
     ck_assert_int_eq(count(W1, MSG_TWIN), 1);
 }
-END_TEST
 
 /* Its child does nothing any more, though radd is there. */
-START_TEST(one_that_waited_and_is_stuck_gets_a_twin)
+TEST(one_that_waited_and_is_stuck_gets_a_twin)
 {
     struct msg_unit a, b;
 
@@ -120,10 +118,9 @@ START_TEST(one_that_waited_and_is_stuck_gets_a_twin)
     finish(W1, &b);
     ck_assert(f.done);
 }
-END_TEST
 
 /* The one before had time for its bars; who comes when it is late has none. */
-START_TEST(a_twin_has_no_time_for_bars)
+TEST(a_twin_has_no_time_for_bars)
 {
     struct msg_unit b, u;
 
@@ -143,11 +140,10 @@ START_TEST(a_twin_has_no_time_for_bars)
     ck_assert_uint_eq(u.unit, b.unit);
     ck_assert_uint_eq(u.flags, MSG_UNIT_TWIN);
 }
-END_TEST
 
 /* Its child was stopped after its first rows: they count no more once a twin
  * has rows, and what it sends later is dropped. */
-START_TEST(a_twin_overtakes_one_that_is_silent)
+TEST(a_twin_overtakes_one_that_is_silent)
 {
     struct msg_unit a, b, twin;
 
@@ -166,11 +162,10 @@ START_TEST(a_twin_overtakes_one_that_is_silent)
     result(W1, &twin, 1, twin.height - 1, true);
     ck_assert(f.done);
 }
-END_TEST
 
 /* A minute for a row: whoever gets the unit anew has its first row before the
  * attempt that leads has another.  The unit is done all the same. */
-START_TEST(twins_do_not_overtake_each_other_for_ever)
+TEST(twins_do_not_overtake_each_other_for_ever)
 {
     struct msg_unit a, old, twin;
     uint64_t leads = W2, other = W1;
@@ -193,23 +188,4 @@ START_TEST(twins_do_not_overtake_each_other_for_ever)
         old = twin;
     }
     ck_assert(f.done);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("twins");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, the_first_of_twins_whose_rows_come_leads);
-    tcase_add_test(tc, when_the_leader_goes_one_that_sent_nothing_goes_on);
-    tcase_add_test(
-        tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);
-    tcase_add_test(tc, a_very_late_unit_gets_a_twin_with_scanbar_too);
-    tcase_add_test(tc, one_that_waited_and_is_stuck_gets_a_twin);
-    tcase_add_test(tc, a_twin_has_no_time_for_bars);
-    tcase_add_test(tc, a_twin_overtakes_one_that_is_silent);
-    tcase_add_test(tc, twins_do_not_overtake_each_other_for_ever);
-    return unit_run_case(tc);
 }

@@ -30,7 +30,9 @@ begin(struct msg_unit *a, struct msg_unit *b)
     clear();
 }
 
-START_TEST(a_paused_jobs_units_go_back_and_come_again_with_their_facts)
+FIXTURE(set_up, tear_down)
+
+TEST(a_paused_jobs_units_go_back_and_come_again_with_their_facts)
 {
     struct msg_unit a, b, again;
 
@@ -51,9 +53,8 @@ START_TEST(a_paused_jobs_units_go_back_and_come_again_with_their_facts)
     ck_assert_int_ge(count(W1, MSG_FACTS), 1);
     ck_assert_double_eq(stat_of("totals", "units_redone"), 0);
 }
-END_TEST
 
-START_TEST(rows_that_are_out_stay)
+TEST(rows_that_are_out_stay)
 {
     uint32_t keep;
     struct msg_unit a, b;
@@ -73,9 +74,8 @@ START_TEST(rows_that_are_out_stay)
     about_job(ANA, MSG_RESUME);
     ck_assert_uint_eq(first_unit_of(W1)->y, keep);
 }
-END_TEST
 
-START_TEST(a_drained_worker_is_let_go_of_all)
+TEST(a_drained_worker_is_let_go_of_all)
 {
     struct msg_unit a, b;
 
@@ -89,9 +89,8 @@ START_TEST(a_drained_worker_is_let_go_of_all)
     wait_ms(500);
     ck_assert_int_eq(count(W1, MSG_UNIT), 0);
 }
-END_TEST
 
-START_TEST(a_child_that_does_not_answer_loses_its_unit)
+TEST(a_child_that_does_not_answer_loses_its_unit)
 {
     struct msg_unit a, b;
 
@@ -102,10 +101,9 @@ START_TEST(a_child_that_does_not_answer_loses_its_unit)
     wait_ms(2000);
     ck_assert_int_ge(count(W1, MSG_REVOKE), 1);
 }
-END_TEST
 
 /* Its areas go to another worker. */
-START_TEST(a_worker_that_leaves_its_estimate_is_let_go)
+TEST(a_worker_that_leaves_its_estimate_is_let_go)
 {
     struct msg leave = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
@@ -119,9 +117,8 @@ START_TEST(a_worker_that_leaves_its_estimate_is_let_go)
     ck_assert(f.closed[W1]);
     ck_assert_int_eq(count(W2, MSG_ESTIMATE), 0); /* it has areas */
 }
-END_TEST
 
-START_TEST(a_worker_of_a_restarted_coordinator_does_not_hang)
+TEST(a_worker_of_a_restarted_coordinator_does_not_hang)
 {
     struct msg_unit a, b;
 
@@ -131,21 +128,4 @@ START_TEST(a_worker_of_a_restarted_coordinator_does_not_hang)
     wait_ms(1000);
     for (const struct coord_worker *w = f.c->workers; w; w = w->next)
         ck_assert(!w->hangs);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("yield");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc,
-                   a_paused_jobs_units_go_back_and_come_again_with_their_facts);
-    tcase_add_test(tc, rows_that_are_out_stay);
-    tcase_add_test(tc, a_drained_worker_is_let_go_of_all);
-    tcase_add_test(tc, a_child_that_does_not_answer_loses_its_unit);
-    tcase_add_test(tc, a_worker_that_leaves_its_estimate_is_let_go);
-    tcase_add_test(tc, a_worker_of_a_restarted_coordinator_does_not_hang);
-    return unit_run_case(tc);
 }

@@ -51,7 +51,7 @@ static const struct {
 
 /* Whatever the lattice, a plane comes out as itself between its pixels, and
  * beyond the last of them as that one. */
-START_TEST(a_lattice_fills_the_picture)
+LOOP_TEST(a_lattice_fills_the_picture, N_ELEM(sizes))
 {
     int w = sizes[_i].width, h = sizes[_i].height, step = sizes[_i].step;
     struct coarse *c = coarse_new(w, h);
@@ -68,11 +68,10 @@ START_TEST(a_lattice_fills_the_picture)
         }
     coarse_free(c);
 }
-END_TEST
 
 /* A finer lattice that is only begun: the coarser one shows elsewhere, and no
  * longer where the finer one is. */
-START_TEST(a_finer_lattice_takes_the_place_of_a_coarser_one)
+TEST(a_finer_lattice_takes_the_place_of_a_coarser_one)
 {
     struct coarse *c = coarse_new(97, 75);
     struct action_colours k = { 0, 0, 0, 8, 8, 8, colours };
@@ -86,10 +85,9 @@ START_TEST(a_finer_lattice_takes_the_place_of_a_coarser_one)
     ck_assert_double_eq_tol(filled(c, 64, 56), ramp(64, 56), .1);
     coarse_free(c);
 }
-END_TEST
 
 /* Black ones, too. */
-START_TEST(pixels_that_came_stand_as_they_are)
+TEST(pixels_that_came_stand_as_they_are)
 {
     struct coarse *c = coarse_new(40, 20);
 
@@ -103,7 +101,6 @@ START_TEST(pixels_that_came_stand_as_they_are)
         }
     coarse_free(c);
 }
-END_TEST
 
 static const struct action_colours wrong[] = {
     { 0, 0, 0, 4, 1, 1, colours },         { 0, 0, 0, 512, 1, 1, colours },
@@ -116,18 +113,17 @@ static const struct action_colours wrong[] = {
     { 0, 0, 0, 8, INT32_MAX, 1, colours },
 };
 
-START_TEST(what_lies_on_no_lattice_is_refused)
+LOOP_TEST(what_lies_on_no_lattice_is_refused, N_ELEM(wrong))
 {
     struct coarse *c = coarse_new(40, 20);
 
     ck_assert(!coarse_put(c, &wrong[_i]));
     coarse_free(c);
 }
-END_TEST
 
 /* So many frames may have colours as there is room for; they count until they
  * are dropped. */
-START_TEST(colours_of_all_frames_are_bounded)
+TEST(colours_of_all_frames_are_bounded)
 {
     struct action_colours k = { 0, 0, 0, 32, 1, 1, colours };
     struct rows_open among = { .coarse_bytes =
@@ -147,10 +143,9 @@ START_TEST(colours_of_all_frames_are_bounded)
     rows_release(&r[1]);
     ck_assert_uint_eq(among.coarse_bytes, COARSE_MOST - coarse_bytes(40, 20));
 }
-END_TEST
 
 /* No size overflows. */
-START_TEST(huge_frames_have_none)
+TEST(huge_frames_have_none)
 {
     struct action_colours k = { 0, 0, 0, 32, 1, 1, colours };
     struct rows_open among = { 0 };
@@ -161,20 +156,4 @@ START_TEST(huge_frames_have_none)
     ck_assert_uint_gt(coarse_bytes(MSG_MAX_SIDE, MSG_MAX_SIDE), COARSE_MOST);
     rows_put_colours(&r, &k);
     ck_assert_ptr_null(r.coarse);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coarse");
-
-    tcase_add_loop_test(tc, a_lattice_fills_the_picture, 0, N_ELEM(sizes));
-    tcase_add_test(tc, a_finer_lattice_takes_the_place_of_a_coarser_one);
-    tcase_add_test(tc, pixels_that_came_stand_as_they_are);
-    tcase_add_loop_test(tc, what_lies_on_no_lattice_is_refused, 0,
-                        N_ELEM(wrong));
-    tcase_add_test(tc, colours_of_all_frames_are_bounded);
-    tcase_add_test(tc, huge_frames_have_none);
-    return unit_run_case(tc);
 }

@@ -42,9 +42,11 @@ pwrite64(int fd, const void *bytes, size_t n, off_t at)
     return pwrite(fd, bytes, n, at);
 }
 
+FIXTURE(scratch_make, scratch_remove)
+
 /* What a loss of power leaves of one that was being made is in nobody's way,
  * and one that has its name is whole, whatever becomes of its log. */
-START_TEST(a_database_gets_its_name_when_it_is_whole)
+TEST(a_database_gets_its_name_when_it_is_whole)
 {
     char path[160], made[170], log[170];
     struct journal *j;
@@ -67,7 +69,6 @@ START_TEST(a_database_gets_its_name_when_it_is_whole)
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
     journal_close(j);
 }
-END_TEST
 
 static const struct {
     int write, sync, code;
@@ -77,7 +78,8 @@ static const struct {
     { 0, EIO, RAD_EIO },
 };
 
-START_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault)
+LOOP_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault,
+          N_ELEM(faults))
 {
     struct saved_job job = { .spec = kept_spec, .owner = "ana" };
     struct rad_error err = { 0 };
@@ -100,11 +102,10 @@ START_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault)
     ck_assert(has);
     journal_close(j);
 }
-END_TEST
 
 /* The log is carried over into the database, for which there is no memory; what
  * is in the log lasts. */
-START_TEST(a_commit_without_memory_for_more_is_one)
+TEST(a_commit_without_memory_for_more_is_one)
 {
     static uint8_t bottom[60000];
     struct saved_job job = { .spec = kept_spec, .owner = "ana", .text = "" };
@@ -128,10 +129,9 @@ START_TEST(a_commit_without_memory_for_more_is_one)
     sqlite3_hard_heap_limit64(0);
     journal_close(j);
 }
-END_TEST
 
 /* A worker keeps rows until they are said to be kept. */
-START_TEST(rows_that_could_not_be_synced_are_not_kept)
+TEST(rows_that_could_not_be_synced_are_not_kept)
 {
     struct heard h;
     uv_loop_t loop;
@@ -148,20 +148,4 @@ START_TEST(rows_that_could_not_be_synced_are_not_kept)
     ck_assert(h.rows == 0 || h.status != 0);
     ck_assert_int_eq(h.broken, EX_IOERR);
     close_kept(&loop, s);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("journal");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
-    tcase_add_loop_test(
-        tc, a_commit_that_fails_tells_a_full_disk_from_another_fault, 0,
-        N_ELEM(faults));
-    tcase_add_test(tc, a_commit_without_memory_for_more_is_one);
-    tcase_add_test(tc, rows_that_could_not_be_synced_are_not_kept);
-    return unit_run_case(tc);
 }

@@ -67,7 +67,9 @@ make_rows(struct rows *r, enum rows_kind kind)
     create(r, &opened, path, (struct rows_form){ W, H, kind, true });
 }
 
-START_TEST(windows_make_a_whole)
+FIXTURE(scratch_make, scratch_remove)
+
+RANGE_TEST(windows_make_a_whole, 3, 5)
 {
     struct rows r;
     float line[W * 4];
@@ -89,7 +91,6 @@ START_TEST(windows_make_a_whole)
         ck_assert_float_eq(line[i], 0); /* has not come */
     rows_remove(&r);
 }
-END_TEST
 
 static int
 open_files(void)
@@ -104,7 +105,7 @@ open_files(void)
     return n;
 }
 
-START_TEST(few_of_many_files_are_open)
+TEST(few_of_many_files_are_open)
 {
     enum { MANY = 100 };
     static struct rows r[MANY];
@@ -130,7 +131,6 @@ START_TEST(few_of_many_files_are_open)
     ck_assert_int_eq(open_files(), before);
     ck_assert_ptr_null(opened.file[0]);
 }
-END_TEST
 
 static bool no_memory;
 
@@ -144,7 +144,7 @@ strdup(const char *text)
     return copy ? memcpy(copy, text, n) : NULL;
 }
 
-START_TEST(a_file_whose_sync_cannot_be_noted_stays_open)
+TEST(a_file_whose_sync_cannot_be_noted_stays_open)
 {
     static struct rows r[ROWS_OPEN + 1];
     float px[W * 3] = { 0 };
@@ -168,7 +168,6 @@ START_TEST(a_file_whose_sync_cannot_be_noted_stays_open)
     for (int i = 0; i <= ROWS_OPEN; i++)
         rows_remove(&r[i]);
 }
-END_TEST
 
 static const struct rows_area outside[] = {
     { -1, 0, 1, 1 },    { 0, -1, 1, 1 },         { 0, 0, W + 1, 1 },
@@ -176,7 +175,7 @@ static const struct rows_area outside[] = {
     { 0, 0, 0, 1 },     { 3, 3, 2000000000, 1 },
 };
 
-START_TEST(pixels_outside_are_refused)
+LOOP_TEST(pixels_outside_are_refused, N_ELEM(outside))
 {
     struct rows r;
     float px[W * H * 4] = { 0 };
@@ -185,7 +184,6 @@ START_TEST(pixels_outside_are_refused)
     ck_assert_int_eq(rows_write(&r, outside[_i], px, NULL), RAD_EPROTO);
     rows_remove(&r);
 }
-END_TEST
 
 static unsigned char *
 slurp(const char *path, size_t *n)
@@ -197,7 +195,7 @@ slurp(const char *path, size_t *n)
     return p;
 }
 
-START_TEST(picture_and_depth_hold_the_rows)
+TEST(picture_and_depth_hold_the_rows)
 {
     struct rad_hdr_info info = { .program = "radsubmit",
                                  .options = "-ab 0",
@@ -236,7 +234,6 @@ START_TEST(picture_and_depth_hold_the_rows)
     free(data);
     rows_remove(&r);
 }
-END_TEST
 
 static int
 write_code(struct rows *r, int x, int y, int w, int h, const uint8_t *code,
@@ -267,7 +264,7 @@ static const struct {
 };
 
 /* Coded rows in any order, some in one piece, one of them twice. */
-START_TEST(coded_rows_make_the_picture_of_the_others)
+LOOP_TEST(coded_rows_make_the_picture_of_the_others, N_ELEM(codings))
 {
     struct rad_hdr_info info = { .program = "radsubmit",
                                  .options = "-ab 0",
@@ -316,9 +313,8 @@ START_TEST(coded_rows_make_the_picture_of_the_others)
     free(data[0]);
     free(data[1]);
 }
-END_TEST
 
-START_TEST(coded_rows_that_are_none_are_refused)
+RANGE_TEST(coded_rows_that_are_none_are_refused, ROWS_CODED, ROWS_RGBE + 1)
 {
     uint8_t code[2 * RAD_HDR_ROW_BYTES(W)];
     size_t n = code_rows(0, 0, W, 1, code);
@@ -342,7 +338,6 @@ START_TEST(coded_rows_that_are_none_are_refused)
     ck_assert_int_eq(write_code(&r, 0, 0, W, 1, code, n, NULL), 0);
     rows_remove(&r);
 }
-END_TEST
 
 /* The memory that this process may have beyond what it has; 0: any. */
 static void
@@ -362,7 +357,7 @@ limit_memory(rlim_t more)
 
 /* 256 kB of runs stand for 16 MiB of pixels.  Their sum is that of any pieces.
  */
-START_TEST(coded_rows_are_taken_apart_a_few_at_a_time)
+TEST(coded_rows_are_taken_apart_a_few_at_a_time)
 {
     enum { WIDE = 32767, MANY = 128 };
     uint8_t *code = malloc(MANY * RAD_HDR_ROW_BYTES(WIDE));
@@ -400,10 +395,9 @@ START_TEST(coded_rows_are_taken_apart_a_few_at_a_time)
     free(code);
     free(line);
 }
-END_TEST
 
 /* To the bit, in another life too, and beside the coded rows. */
-START_TEST(a_line_keeps_its_floats)
+TEST(a_line_keeps_its_floats)
 {
     float line[3 * W], back[3 * W];
     struct rows r, again;
@@ -430,7 +424,6 @@ START_TEST(a_line_keeps_its_floats)
     ck_assert_int_eq(rows_write_line(&r, 0, line, NULL), RAD_EDATA);
     rows_remove(&r);
 }
-END_TEST
 
 /* The preview of a frame that holds one bright sample, at x, y, and no other.
  */
@@ -473,7 +466,7 @@ preview_of(int width, int height, int oversample, int x, int y)
 
 /* Of few samples a preview is filtered as the picture will be: the bright one
  * spreads.  Of very many it costs no more than its own pixels. */
-START_TEST(previews_of_many_samples_are_of_those_in_the_middle)
+TEST(previews_of_many_samples_are_of_those_in_the_middle)
 {
     int w = 8 * 1024, h = 8 * 513;
     struct rad_picture pic = preview_of(80, 40, 8, 36, 20);
@@ -490,7 +483,6 @@ START_TEST(previews_of_many_samples_are_of_those_in_the_middle)
     }
     rad_picture_release(&pic);
 }
-END_TEST
 
 static const struct {
     enum rows_kind kind;
@@ -520,7 +512,7 @@ put_some(struct rows *r)
     ck_assert_int_eq(rc, 0);
 }
 
-START_TEST(previews_show_colours_where_rows_are_missing)
+LOOP_TEST(previews_show_colours_where_rows_are_missing, N_ELEM(shown))
 {
     int n = shown[_i].oversample, w = 24, h = 20;
     struct rad_filter_shape shape = { w, h, n, 0, false };
@@ -563,28 +555,4 @@ START_TEST(previews_show_colours_where_rows_are_missing)
         ck_assert(edge || fabsf(pic.L[i].g - (came ? 0 : 3)) < .1f);
     }
     rad_picture_release(&pic);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("rows");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_loop_test(tc, windows_make_a_whole, 3, 5);
-    tcase_add_test(tc, few_of_many_files_are_open);
-    tcase_add_test(tc, a_file_whose_sync_cannot_be_noted_stays_open);
-    tcase_add_loop_test(tc, pixels_outside_are_refused, 0, N_ELEM(outside));
-    tcase_add_test(tc, picture_and_depth_hold_the_rows);
-    tcase_add_loop_test(tc, coded_rows_make_the_picture_of_the_others, 0,
-                        N_ELEM(codings));
-    tcase_add_loop_test(tc, coded_rows_that_are_none_are_refused, ROWS_CODED,
-                        ROWS_RGBE + 1);
-    tcase_add_test(tc, coded_rows_are_taken_apart_a_few_at_a_time);
-    tcase_add_test(tc, a_line_keeps_its_floats);
-    tcase_add_test(tc, previews_of_many_samples_are_of_those_in_the_middle);
-    tcase_add_loop_test(tc, previews_show_colours_where_rows_are_missing, 0,
-                        N_ELEM(shown));
-    return unit_run_case(tc);
 }

@@ -13,7 +13,9 @@
 #include <sysexits.h>
 #include <time.h>
 
-START_TEST(store_keeps_files_and_refuses_impostors)
+FIXTURE(scratch_make, scratch_remove)
+
+TEST(store_keeps_files_and_refuses_impostors)
 {
     struct heard h = { 0 };
     uv_loop_t loop;
@@ -33,7 +35,6 @@ START_TEST(store_keeps_files_and_refuses_impostors)
     store_close(s);
     ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
-END_TEST
 
 /* Have a store take n pieces of the file "hello". */
 static void
@@ -62,7 +63,7 @@ take_pieces(struct heard *h, const struct msg_chunk *piece, int n)
 }
 
 /* A sender that cannot read a file, or its rest, sends it as an empty one. */
-START_TEST(store_tells_of_a_file_that_its_sender_cannot_read)
+LOOP_TEST(store_tells_of_a_file_that_its_sender_cannot_read, 2)
 {
     static const struct msg_chunk half_and_empty[] = {
         { .total = 5, .len = 2 }, { .total = 0, .len = 0 }
@@ -75,10 +76,9 @@ START_TEST(store_tells_of_a_file_that_its_sender_cannot_read)
     ck_assert_str_eq(h.text, "file 2cf24dba5fb0 came empty: its sender cannot "
                              "read it");
 }
-END_TEST
 
 /* Only the first piece of a file is counted for its user. */
-START_TEST(a_file_that_begins_again_with_another_length_is_refused)
+TEST(a_file_that_begins_again_with_another_length_is_refused)
 {
     static const struct msg_chunk small_and_large[] = {
         { .total = 2, .len = 1 }, { .total = 5, .len = 5 }
@@ -89,9 +89,8 @@ START_TEST(a_file_that_begins_again_with_another_length_is_refused)
     ck_assert_int_eq(h.status, EX_PROTOCOL);
     ck_assert_str_eq(h.text, "a file that changed its length");
 }
-END_TEST
 
-START_TEST(store_tells_of_every_chunk)
+TEST(store_tells_of_every_chunk)
 {
     static const char text[] = "in three parts";
     struct heard h = { 0 };
@@ -124,7 +123,6 @@ START_TEST(store_tells_of_every_chunk)
     store_close(s);
     ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
-END_TEST
 
 /* Same length, another content. */
 static void
@@ -140,7 +138,7 @@ damage(const char *file)
     fclose(f);
 }
 
-START_TEST(store_notices_damaged_files)
+TEST(store_notices_damaged_files)
 {
     struct heard h = { 0 };
     uint8_t digest[MSG_HASH];
@@ -165,10 +163,9 @@ START_TEST(store_notices_damaged_files)
     store_close(s);
     uv_loop_close(&loop);
 }
-END_TEST
 
 /* Another process finds a file: it is read off the loop, once. */
-START_TEST(files_are_read_behind_the_loop)
+LOOP_TEST(files_are_read_behind_the_loop, 2)
 {
     struct heard h = { 0 };
     uint8_t digest[MSG_HASH];
@@ -200,9 +197,8 @@ START_TEST(files_are_read_behind_the_loop)
     store_close(s);
     uv_loop_close(&loop);
 }
-END_TEST
 
-START_TEST(folder_serves_one_store)
+TEST(folder_serves_one_store)
 {
     struct rad_error err = { 0 };
     struct heard h = { 0 };
@@ -217,7 +213,6 @@ START_TEST(folder_serves_one_store)
     store_close(s);
     uv_loop_close(&loop);
 }
-END_TEST
 
 /* File `name` of a folder below dir, made with it. */
 static void
@@ -238,7 +233,7 @@ put_in(const char *folder, const char *name)
 #define OLD_HASH                                                               \
     "2bb80d537b1da3e38bd30361aa855686bde0eacd7162fef6a25fe97bf527a25b"
 
-START_TEST(without_a_database_jobs_go_and_files_stay)
+TEST(without_a_database_jobs_go_and_files_stay)
 {
     struct heard h = { 0 };
     uv_loop_t loop;
@@ -257,7 +252,6 @@ START_TEST(without_a_database_jobs_go_and_files_stay)
     store_close(s);
     uv_loop_close(&loop);
 }
-END_TEST
 
 static const struct msg_frame one_frame = { 0, W, H, "-vtv -vp 0 0 0" };
 static const struct saved_job small = { .spec = { .name = "x",
@@ -265,7 +259,7 @@ static const struct saved_job small = { .spec = { .name = "x",
                                                   .frames = &one_frame,
                                                   .nframes = 1 } };
 
-START_TEST(job_becomes_a_picture)
+LOOP_TEST(job_becomes_a_picture, 2)
 {
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
     struct store_source from = { .what = MSG_WHAT_PREVIEW };
@@ -315,9 +309,8 @@ START_TEST(job_becomes_a_picture)
     store_close(s);
     uv_loop_close(&loop);
 }
-END_TEST
 
-START_TEST(pieces_of_a_preview_are_of_one_file)
+TEST(pieces_of_a_preview_are_of_one_file)
 {
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
     struct store_source from = { .job = { 1, 2, 3 }, .what = MSG_WHAT_PREVIEW };
@@ -356,9 +349,8 @@ START_TEST(pieces_of_a_preview_are_of_one_file)
     store_close(s);
     uv_loop_close(&loop);
 }
-END_TEST
 
-START_TEST(few_previews_are_read_at_a_time)
+TEST(few_previews_are_read_at_a_time)
 {
     enum { MOST = 8 };
     struct store_reading r[MOST + 1];
@@ -388,9 +380,8 @@ START_TEST(few_previews_are_read_at_a_time)
     store_close(s);
     uv_loop_close(&loop);
 }
-END_TEST
 
-START_TEST(what_is_larger_than_the_disk_waits_for_no_room)
+TEST(what_is_larger_than_the_disk_waits_for_no_room)
 {
     struct statvfs fs;
     uint64_t all;
@@ -400,11 +391,10 @@ START_TEST(what_is_larger_than_the_disk_waits_for_no_room)
     ck_assert_int_eq(room_check(dir, all, "rows", NULL), RAD_EFULL);
     ck_assert_int_eq(room_check(dir, all + 1, "rows", NULL), RAD_EDATA);
 }
-END_TEST
 
 /* One that waited for room would keep what is asked for behind it, as pictures
  * whose jobs could go then. */
-START_TEST(a_preview_waits_for_no_room_on_the_disk)
+TEST(a_preview_waits_for_no_room_on_the_disk)
 {
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
     struct store_source from = { .job = { 1, 2, 3 }, .what = MSG_WHAT_PREVIEW };
@@ -432,7 +422,6 @@ START_TEST(a_preview_waits_for_no_room_on_the_disk)
     store_close(s);
     uv_loop_close(&loop);
 }
-END_TEST
 
 /* --- files that go --- */
 
@@ -468,7 +457,7 @@ digest_of(const char *text, uint8_t digest[MSG_HASH])
     rad_sha_from_hex(hex, digest);
 }
 
-START_TEST(files_that_no_job_needs_go_after_a_day)
+TEST(files_that_no_job_needs_go_after_a_day)
 {
     static const char *const texts[] = { "needed", "asked for", "new",
                                          "forgotten", "old" };
@@ -502,29 +491,4 @@ START_TEST(files_that_no_job_needs_go_after_a_day)
     ck_assert(is_there("files/a note of somebody's"));
     store_close(s);
     uv_loop_close(&loop);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("store");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
-    tcase_add_loop_test(tc, store_tells_of_a_file_that_its_sender_cannot_read,
-                        0, 2);
-    tcase_add_test(tc, a_file_that_begins_again_with_another_length_is_refused);
-    tcase_add_test(tc, store_tells_of_every_chunk);
-    tcase_add_test(tc, store_notices_damaged_files);
-    tcase_add_loop_test(tc, files_are_read_behind_the_loop, 0, 2);
-    tcase_add_test(tc, folder_serves_one_store);
-    tcase_add_test(tc, without_a_database_jobs_go_and_files_stay);
-    tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);
-    tcase_add_test(tc, pieces_of_a_preview_are_of_one_file);
-    tcase_add_test(tc, few_previews_are_read_at_a_time);
-    tcase_add_test(tc, what_is_larger_than_the_disk_waits_for_no_room);
-    tcase_add_test(tc, a_preview_waits_for_no_room_on_the_disk);
-    tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
-    return unit_run_case(tc);
 }

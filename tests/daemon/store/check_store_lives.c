@@ -61,7 +61,9 @@ make_kept(uv_loop_t *loop, struct store **s, struct heard *h)
     ck_assert_int_eq(h->status, 0);
 }
 
-START_TEST(a_job_goes_on_in_another_life)
+FIXTURE(scratch_make, scratch_remove)
+
+TEST(a_job_goes_on_in_another_life)
 {
     struct saved_job job;
     struct heard h;
@@ -88,9 +90,8 @@ START_TEST(a_job_goes_on_in_another_life)
     ck_assert(is_there("jobs/09080700000000000000000000000000/0.hdr"));
     ck_assert(!is_there("jobs/09080700000000000000000000000000/0.rows"));
 }
-END_TEST
 
-START_TEST(a_picture_that_is_damaged_is_not_given_out)
+TEST(a_picture_that_is_damaged_is_not_given_out)
 {
     struct store_source from = { .what = MSG_WHAT_PICTURE };
     struct heard h;
@@ -121,10 +122,9 @@ START_TEST(a_picture_that_is_damaged_is_not_given_out)
     ck_assert_int_eq(h.read_status, EX_IOERR);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* Its pictures may be all that is left of another state folder. */
-START_TEST(a_job_that_the_database_does_not_know_is_not_removed)
+TEST(a_job_that_the_database_does_not_know_is_not_removed)
 {
     struct rad_error err = { 0 };
     struct saved_job none;
@@ -141,10 +141,9 @@ START_TEST(a_job_that_the_database_does_not_know_is_not_removed)
     ck_assert(is_there(KEPT_DIR "/0.hdr"));
     close_kept(&loop, s);
 }
-END_TEST
 
 /* Nobody could fetch a picture of them. */
-START_TEST(of_sensor_points_the_values_alone_are_kept)
+TEST(of_sensor_points_the_values_alone_are_kept)
 {
     struct saved_job job;
     struct heard h;
@@ -171,9 +170,8 @@ START_TEST(of_sensor_points_the_values_alone_are_kept)
     }
     close_kept(&loop, s);
 }
-END_TEST
 
-START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
+TEST(a_job_that_is_over_is_remembered_and_forgotten)
 {
     struct store_source from = { .what = MSG_WHAT_STATS };
     struct saved_job job, end = { .spec = kept_spec,
@@ -208,10 +206,9 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
     ck_assert_ptr_null(job.spec.job);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* Without its rows and their room, which are removed when the end is noted. */
-START_TEST(what_a_job_that_is_over_takes_is_known_in_another_life)
+TEST(what_a_job_that_is_over_takes_is_known_in_another_life)
 {
     struct saved_job job;
     struct heard h;
@@ -229,7 +226,6 @@ START_TEST(what_a_job_that_is_over_takes_is_known_in_another_life)
     ck_assert_uint_eq(job.kept_bytes, bytes);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* How far the database was with a job whose folder was being removed when the
  * coordinator was killed. */
@@ -276,7 +272,8 @@ tell_problem(void *arg, bool problem, const char *text)
     ck_assert_msg(!problem, "%s", text);
 }
 
-START_TEST(a_job_that_was_being_forgotten_is_no_damage)
+RANGE_TEST(a_job_that_was_being_forgotten_is_no_damage, UNSETTLED_JOB,
+           UNSETTLED_NEW + 1)
 {
     struct rad_error err = { 0 };
     struct statecheck found;
@@ -300,7 +297,6 @@ START_TEST(a_job_that_was_being_forgotten_is_no_damage)
     ck_assert(!is_there(KEPT_DIR ".gone"));
     close_kept(&loop, s);
 }
-END_TEST
 
 /* The job takes rows, and has them in another life. */
 static void
@@ -326,7 +322,7 @@ note_gone(void *arg, const struct saved_gone *g)
 }
 
 /* That job's record is the later one's. */
-START_TEST(an_id_that_is_forgotten_twice_is_recorded_as_it_was_last)
+TEST(an_id_that_is_forgotten_twice_is_recorded_as_it_was_last)
 {
     struct store_handler hears = handler;
     struct saved_job job;
@@ -350,11 +346,10 @@ START_TEST(an_id_that_is_forgotten_twice_is_recorded_as_it_was_last)
     ck_assert_int_eq(h.status, GONE_OLD);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* Of an earlier job of the same id, which is long forgotten, a file could not
  * be removed. */
-START_TEST(what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id)
+TEST(what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id)
 {
     struct rad_error err = { 0 };
     struct statecheck found;
@@ -382,7 +377,6 @@ START_TEST(what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id)
     ck_assert(is_there(KEPT_DIR "/room"));
     close_kept(&loop, s);
 }
-END_TEST
 
 /* How many more files the folder of the job has that is being forgotten, and
  * whether the new job is submitted after DELETE was answered. */
@@ -396,7 +390,8 @@ static const struct {
     { 2500, true },
 };
 
-START_TEST(a_job_may_have_the_id_of_one_that_is_being_forgotten)
+LOOP_TEST(a_job_may_have_the_id_of_one_that_is_being_forgotten,
+          N_ELEM(old_jobs))
 {
     struct saved_job job;
     struct heard h;
@@ -429,7 +424,6 @@ START_TEST(a_job_may_have_the_id_of_one_that_is_being_forgotten)
     ck_assert_int_eq(job.spec.priority, 7);
     close_kept(&loop, s);
 }
-END_TEST
 
 static void
 count_jobs(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence, int status,
@@ -460,7 +454,7 @@ open_counted(uv_loop_t *loop, struct store **s, struct store_handler *counts,
 
 /* The second of three jobs that have one id is over, and forgotten, while its
  * opening waits for the first job to be forgotten. */
-START_TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
+TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
 {
     struct store_handler counts;
     struct saved_job job;
@@ -479,10 +473,9 @@ START_TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
     keeps_a_unit(&loop, &s, &h, &job);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* Else the folder of the new job would stay, too, when that is forgotten. */
-START_TEST(while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again)
+TEST(while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again)
 {
     struct store_handler counts;
     struct saved_job job;
@@ -508,7 +501,6 @@ START_TEST(while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again)
     keeps_a_unit(&loop, &s, &h, &job);
     close_kept(&loop, s);
 }
-END_TEST
 
 static int
 count_open(void *arg, const struct saved_job *s, struct rad_error *err)
@@ -562,7 +554,7 @@ fdatasync(int fd)
     return fsync(fd);
 }
 
-START_TEST(a_new_folder_lasts)
+TEST(a_new_folder_lasts)
 {
     struct heard h;
     uv_loop_t loop;
@@ -572,11 +564,10 @@ START_TEST(a_new_folder_lasts)
     ck_assert(names_synced);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* It was killed after it had named a file, and before the file was synced.  A
  * job may be accepted for which nobody sends that file again. */
-START_TEST(a_file_that_a_killed_store_left_lasts_before_it_counts)
+TEST(a_file_that_a_killed_store_left_lasts_before_it_counts)
 {
     static const char zeros[5];
     uint8_t digest[MSG_HASH];
@@ -611,7 +602,6 @@ START_TEST(a_file_that_a_killed_store_left_lasts_before_it_counts)
     ck_assert(file_synced);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* In place of the C library's: each other call is interrupted by a signal, as a
  * tmpfs is. */
@@ -625,7 +615,7 @@ posix_fallocate(int fd, off_t at, off_t n)
     return fallocate(fd, 0, at, n) < 0 ? errno : 0;
 }
 
-START_TEST(a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power)
+TEST(a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power)
 {
     struct heard h;
     uv_loop_t loop;
@@ -642,7 +632,6 @@ START_TEST(a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power)
     ck_assert(jobs_synced);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* Leave a job that is done, with a cache of so many bytes. */
 static void
@@ -678,7 +667,7 @@ limit_files(rlim_t bytes)
 
 /* There is room for the rows of a job, but not for the records with which it
  * begins; then it is cancelled. */
-START_TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
+TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
 {
     static const uint8_t second[MSG_JOB] = { 1 };
     struct saved_job job = { .spec = { .job = second,
@@ -719,7 +708,6 @@ START_TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
     ck_assert_int_eq(nopen, 0);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* What somebody may do to a state folder, and what is said of it. */
 static const struct {
@@ -732,7 +720,7 @@ static const struct {
     { "truncate -s 3000 radcoord.db", "database" },
 };
 
-START_TEST(a_damaged_folder_is_refused)
+LOOP_TEST(a_damaged_folder_is_refused, N_ELEM(damages))
 {
     struct rad_error err = { 0 };
     struct saved_job job;
@@ -757,7 +745,6 @@ START_TEST(a_damaged_folder_is_refused)
     ck_assert_msg(strstr(err.what, damages[_i].what) != NULL, "%s", err.what);
     ck_assert_ptr_nonnull(strstr(err.what, "radctl check"));
 }
-END_TEST
 
 static bool no_descriptor;
 
@@ -782,7 +769,7 @@ open(const char *path, int flags, ...)
 
 /* Their records could be made again, but not what a check pass decided; so the
  * next start tries once more. */
-START_TEST(passes_that_cannot_be_read_for_a_shortage_are_not_lost)
+TEST(passes_that_cannot_be_read_for_a_shortage_are_not_lost)
 {
     struct rad_error err = { 0 };
     struct saved_job job;
@@ -804,10 +791,9 @@ START_TEST(passes_that_cannot_be_read_for_a_shortage_are_not_lost)
     ck_assert_uint_eq(job.npasses, 1);
     close_kept(&loop, s);
 }
-END_TEST
 
 /* No damage, but no job may be left out without a word. */
-START_TEST(a_folder_in_which_no_room_can_be_kept_is_refused)
+TEST(a_folder_in_which_no_room_can_be_kept_is_refused)
 {
     struct rad_error err = { 0 };
     struct saved_job job;
@@ -825,41 +811,4 @@ START_TEST(a_folder_in_which_no_room_can_be_kept_is_refused)
     ck_assert_int_eq(recover(s, &job, &err), RAD_EIO);
     ck_assert_ptr_nonnull(strstr(err.what, "/room"));
     close_kept(&loop, s);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("store_lives");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_test(tc, a_new_folder_lasts);
-    tcase_add_test(tc, a_file_that_a_killed_store_left_lasts_before_it_counts);
-    tcase_add_test(tc, a_job_goes_on_in_another_life);
-    tcase_add_test(tc, a_picture_that_is_damaged_is_not_given_out);
-    tcase_add_test(tc, a_job_that_the_database_does_not_know_is_not_removed);
-    tcase_add_test(tc, of_sensor_points_the_values_alone_are_kept);
-    tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
-    tcase_add_test(tc, what_a_job_that_is_over_takes_is_known_in_another_life);
-    tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
-                        UNSETTLED_JOB, UNSETTLED_NEW + 1);
-    tcase_add_test(tc,
-                   an_id_that_is_forgotten_twice_is_recorded_as_it_was_last);
-    tcase_add_test(
-        tc, what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id);
-    tcase_add_test(
-        tc, a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power);
-    tcase_add_test(
-        tc, while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again);
-    tcase_add_loop_test(tc,
-                        a_job_may_have_the_id_of_one_that_is_being_forgotten, 0,
-                        N_ELEM(old_jobs));
-    tcase_add_test(tc, a_job_may_have_the_id_of_one_that_was_never_opened);
-    tcase_add_test(
-        tc, a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back);
-    tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
-    tcase_add_test(tc, passes_that_cannot_be_read_for_a_shortage_are_not_lost);
-    tcase_add_test(tc, a_folder_in_which_no_room_can_be_kept_is_refused);
-    return unit_run_case(tc);
 }

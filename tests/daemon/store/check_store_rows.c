@@ -109,8 +109,10 @@ static const struct {
     { false, 0, 0, 0 },
 };
 
+FIXTURE(scratch_make, scratch_remove)
+
 /* Also in lives to come. */
-START_TEST(rows_that_a_disk_has_spoilt_are_none)
+LOOP_TEST(rows_that_a_disk_has_spoilt_are_none, N_ELEM(spoilt))
 {
     bool coded = spoilt[_i].coded;
     int unit = spoilt[_i].unit;
@@ -146,7 +148,6 @@ START_TEST(rows_that_a_disk_has_spoilt_are_none)
         ck_assert_uint_eq(stored[1], unit == 1 || unit == 2 ? 0 : 3);
     }
 }
-END_TEST
 
 static int
 note_given_up(void *arg, const struct saved_job *s, struct rad_error *err)
@@ -170,7 +171,7 @@ note_cancelled(void *arg, const struct saved_job *s, struct rad_error *err)
 /* On a full disk the rows of a job that is cancelled are removed before that is
  * noted, and the coordinator is killed.  Its next lives know, until it is
  * noted. Of a job without rows the room is kept. */
-START_TEST(a_job_that_was_given_up_stays_so)
+LOOP_TEST(a_job_that_was_given_up_stays_so, 2)
 {
     struct rad_error err = { 0 };
     bool given_up;
@@ -210,7 +211,6 @@ START_TEST(a_job_that_was_given_up_stays_so)
                      0);
     close_kept(&loop, s);
 }
-END_TEST
 
 static void
 most_pages(struct store *s, int n)
@@ -243,7 +243,7 @@ end_all_fullness(void *arg, bool full, const char *text)
 
 /* A job whose note is what finds no room; SQLite undoes all that was noted and
  * not committed. */
-START_TEST(rows_that_come_when_the_database_is_full_are_noted_once)
+TEST(rows_that_come_when_the_database_is_full_are_noted_once)
 {
     static const uint8_t second[MSG_JOB] = { 1 };
     struct msg_frame frames[500];
@@ -285,10 +285,9 @@ START_TEST(rows_that_come_when_the_database_is_full_are_noted_once)
     ck_assert_uint_eq(stored[0], 3);
     ck_assert_uint_eq(stored[1], 3);
 }
-END_TEST
 
 /* Its floats, of rows that are RGBE. */
-START_TEST(a_units_base_line_outlives_the_store)
+TEST(a_units_base_line_outlives_the_store)
 {
     uint8_t line[W * 12];
     uint32_t stored[2];
@@ -312,19 +311,4 @@ START_TEST(a_units_base_line_outlives_the_store)
     ck_assert(store_read_row(s, kept_job, 0, 1, line));
     ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
     close_kept(&loop, s);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("store_rows");
-
-    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
-    tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
-                        N_ELEM(spoilt));
-    tcase_add_loop_test(tc, a_job_that_was_given_up_stays_so, 0, 2);
-    tcase_add_test(tc, rows_that_come_when_the_database_is_full_are_noted_once);
-    tcase_add_test(tc, a_units_base_line_outlives_the_store);
-    return unit_run_case(tc);
 }

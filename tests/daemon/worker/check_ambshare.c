@@ -42,7 +42,7 @@ trip(const struct rad_ambrec *in, struct rad_ambrec *out)
     return ok;
 }
 
-START_TEST(record_survives_the_trip)
+TEST(record_survives_the_trip)
 {
     struct rad_ambrec out;
 
@@ -61,9 +61,8 @@ START_TEST(record_survives_the_trip)
     ck_assert_float_eq(out.weight, good.weight);
     ck_assert_uint_eq(out.level, good.level);
 }
-END_TEST
 
-START_TEST(record_of_unknown_variance_is_sound)
+TEST(record_of_unknown_variance_is_sound)
 {
     struct rad_ambrec rec = good, out;
 
@@ -71,9 +70,8 @@ START_TEST(record_of_unknown_variance_is_sound)
     ck_assert(trip(&rec, &out));
     ck_assert_float_eq(out.var, RAD_AMBREC_UNSURE);
 }
-END_TEST
 
-START_TEST(truncated_record_is_refused)
+TEST(truncated_record_is_refused)
 {
     struct wire_out w;
     struct wire_in r;
@@ -88,7 +86,6 @@ START_TEST(truncated_record_is_refused)
     }
     wire_out_release(&w);
 }
-END_TEST
 
 /* Fields of a good record, and what makes them wrong. */
 #define WRONG(field, v)                                                        \
@@ -125,22 +122,9 @@ spoiled(int i)
     return r;
 }
 
-START_TEST(unsound_record_is_refused)
+LOOP_TEST(unsound_record_is_refused, N_ELEM(wrong))
 {
     struct rad_ambrec bad = spoiled(_i), out;
 
     ck_assert(!trip(&bad, &out));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("ambshare");
-
-    tcase_add_test(tc, record_survives_the_trip);
-    tcase_add_test(tc, record_of_unknown_variance_is_sound);
-    tcase_add_test(tc, truncated_record_is_refused);
-    tcase_add_loop_test(tc, unsound_record_is_refused, 0, N_ELEM(wrong));
-    return unit_run_case(tc);
 }

@@ -35,7 +35,7 @@ static const struct {
     { "sun 0-24", MON, 0, false },
 };
 
-START_TEST(hours_are_open_as_they_say)
+LOOP_TEST(hours_are_open_as_they_say, N_ELEM(times))
 {
     struct hours h;
 
@@ -43,7 +43,6 @@ START_TEST(hours_are_open_as_they_say)
     ck_assert_int_eq(hours_open(&h, times[_i].day, times[_i].minute),
                      times[_i].open);
 }
-END_TEST
 
 static const char *const no_times[] = {
     "always",     "9",      "9-",     "-9",       "9-25",      "24:01-25",
@@ -51,15 +50,14 @@ static const char *const no_times[] = {
     "9-17 18-19", "monday", "009-10", "9:1:1-10", "xmon 9-10",
 };
 
-START_TEST(what_are_no_hours_is_refused)
+LOOP_TEST(what_are_no_hours_is_refused, N_ELEM(no_times))
 {
     struct hours h;
 
     ck_assert_int_eq(hours_parse(no_times[_i], &h, NULL), RAD_EUSAGE);
 }
-END_TEST
 
-START_TEST(time_of_what_gives_way_is_not_counted)
+TEST(time_of_what_gives_way_is_not_counted)
 {
     const char *stat = "cpu  1000 99999 500 7 8 9 10 0 0 0\ncpu0 1 2 3\n";
 
@@ -67,9 +65,8 @@ START_TEST(time_of_what_gives_way_is_not_counted)
     ck_assert(idle_used("", 100) < 0);
     ck_assert(idle_used("intr 1 2 3", 100) < 0);
 }
-END_TEST
 
-START_TEST(a_terminal_in_use_is_somebody)
+TEST(a_terminal_in_use_is_somebody)
 {
     struct idle i = { 0 };
     uint64_t t = 1000000;
@@ -80,17 +77,15 @@ START_TEST(a_terminal_in_use_is_somebody)
     ck_assert(idle_judge(&i, t += 1000 * IDLE_QUIET_S - 3000, 0, INFINITY));
     ck_assert(!idle_judge(&i, t += 3000, 0, INFINITY));
 }
-END_TEST
 
-START_TEST(at_first_a_terminal_that_was_just_left_counts)
+TEST(at_first_a_terminal_that_was_just_left_counts)
 {
     struct idle i = { 0 };
 
     ck_assert(idle_judge(&i, 5, 0, 60)); /* the machine has just booted */
 }
-END_TEST
 
-START_TEST(a_busy_processor_is_somebody)
+TEST(a_busy_processor_is_somebody)
 {
     struct idle i = { 0 };
     uint64_t t = 1000000;
@@ -107,19 +102,4 @@ START_TEST(a_busy_processor_is_somebody)
     ck_assert(!idle_judge(&i, t += 5000, -1, INFINITY));
     ck_assert(!idle_judge(&i, t += 5000, used += 2, INFINITY));
     ck_assert(idle_judge(&i, t += 5000, used += 3, INFINITY));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("idle");
-
-    tcase_add_loop_test(tc, hours_are_open_as_they_say, 0, N_ELEM(times));
-    tcase_add_loop_test(tc, what_are_no_hours_is_refused, 0, N_ELEM(no_times));
-    tcase_add_test(tc, time_of_what_gives_way_is_not_counted);
-    tcase_add_test(tc, a_terminal_in_use_is_somebody);
-    tcase_add_test(tc, at_first_a_terminal_that_was_just_left_counts);
-    tcase_add_test(tc, a_busy_processor_is_somebody);
-    return unit_run_case(tc);
 }

@@ -6,7 +6,9 @@
 
 #include <sysexits.h>
 
-START_TEST(it_dials_again_and_waits_longer_each_time)
+FIXTURE(set_up, tear_down)
+
+TEST(it_dials_again_and_waits_longer_each_time)
 {
     static const unsigned delays[] = { 500,  1000,  2000,  4000,
                                        8000, 16000, 30000, 30000 };
@@ -26,9 +28,8 @@ START_TEST(it_dials_again_and_waits_longer_each_time)
     tick(500);
     ck_assert_uint_eq(f.dials, 1);
 }
-END_TEST
 
-START_TEST(files_that_it_lacks_come_before_the_child)
+TEST(files_that_it_lacks_come_before_the_child)
 {
     f.have = false;
     start_job();
@@ -41,10 +42,9 @@ START_TEST(files_that_it_lacks_come_before_the_child)
     ck_assert_uint_eq(f.spawns, 1);
     ck_assert_int_eq(said(f.child, MSG_JOB_START), 1);
 }
-END_TEST
 
 /* It is the disk's affair and not the job's. */
-START_TEST(what_finds_no_room_is_told_and_again_when_it_does)
+TEST(what_finds_no_room_is_told_and_again_when_it_does)
 {
     cut();
     tick(1000);
@@ -71,10 +71,9 @@ START_TEST(what_finds_no_room_is_told_and_again_when_it_does)
     ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
     ck_assert_uint_eq(f.spawns, 0);
 }
-END_TEST
 
 /* But in a cluster of radsubmit's own no other worker has another disk. */
-START_TEST(what_finds_no_room_on_the_only_disk_fails_the_job)
+TEST(what_finds_no_room_on_the_only_disk_fails_the_job)
 {
     tear_down();
     set_up_on(true);
@@ -87,10 +86,9 @@ START_TEST(what_finds_no_room_on_the_only_disk_fails_the_job)
     ck_assert_uint_eq(f.last.failed.status, EX_IOERR);
     ck_assert_str_eq(f.last.failed.text, "no room on the disk");
 }
-END_TEST
 
 /* The store tells of the job's files when nobody can be asked for them. */
-START_TEST(what_is_missing_while_the_coordinator_is_away_is_wanted_later)
+TEST(what_is_missing_while_the_coordinator_is_away_is_wanted_later)
 {
     struct action_look l = { .status = 0 };
 
@@ -106,7 +104,6 @@ START_TEST(what_is_missing_while_the_coordinator_is_away_is_wanted_later)
     start_job();
     ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
 }
-END_TEST
 
 static void
 chunk(const uint8_t *of, uint64_t offset)
@@ -117,7 +114,7 @@ chunk(const uint8_t *of, uint64_t offset)
     hear(f.coord, &m);
 }
 
-START_TEST(only_what_was_asked_for_is_kept)
+TEST(only_what_was_asked_for_is_kept)
 {
     static const uint8_t other[MSG_HASH] = { 99 };
 
@@ -132,10 +129,9 @@ START_TEST(only_what_was_asked_for_is_kept)
     chunk(hash, 1);
     ck_assert_uint_eq(f.chunks, 2);
 }
-END_TEST
 
 /* The coordinator may have known of its end before it heard of the WANT. */
-START_TEST(what_a_job_wanted_that_is_over_is_wanted_again_by_the_next)
+TEST(what_a_job_wanted_that_is_over_is_wanted_again_by_the_next)
 {
     struct msg over = { .type = MSG_JOB_END, .job_end = { job_id } };
 
@@ -146,10 +142,9 @@ START_TEST(what_a_job_wanted_that_is_over_is_wanted_again_by_the_next)
     start_job();
     ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
 }
-END_TEST
 
 /* What has begun goes on. */
-START_TEST(a_file_that_comes_is_not_wanted_again_by_the_next_job)
+TEST(a_file_that_comes_is_not_wanted_again_by_the_next_job)
 {
     struct msg over = { .type = MSG_JOB_END, .job_end = { job_id } };
 
@@ -163,10 +158,9 @@ START_TEST(a_file_that_comes_is_not_wanted_again_by_the_next_job)
     chunk(hash, 1);
     ck_assert_uint_eq(f.chunks, 2);
 }
-END_TEST
 
 /* The coordinator sends no more of its files, however many it wanted. */
-START_TEST(what_a_job_wanted_that_had_no_room_is_wanted_again_by_the_next)
+TEST(what_a_job_wanted_that_had_no_room_is_wanted_again_by_the_next)
 {
     static const uint8_t two[2 * MSG_HASH] = { 1, [MSG_HASH] = 2 };
     struct msg over = { .type = MSG_JOB_END, .job_end = { job_id } };
@@ -184,10 +178,9 @@ START_TEST(what_a_job_wanted_that_had_no_room_is_wanted_again_by_the_next)
     ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
     ck_assert_uint_eq(f.last.want.n, 2);
 }
-END_TEST
 
 /* The store goes on until all that was asked of it is done. */
-START_TEST(a_worker_that_has_stopped_starts_no_child)
+TEST(a_worker_that_has_stopped_starts_no_child)
 {
     f.have = false;
     start_job();
@@ -200,9 +193,8 @@ START_TEST(a_worker_that_has_stopped_starts_no_child)
     carry_out();
     ck_assert_uint_eq(f.spawns, 0);
 }
-END_TEST
 
-START_TEST(units_go_down_and_results_up)
+TEST(units_go_down_and_results_up)
 {
     start_job();
     child_ready();
@@ -219,9 +211,8 @@ START_TEST(units_go_down_and_results_up)
     rows(9, 0);
     ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
 }
-END_TEST
 
-START_TEST(what_was_not_acknowledged_is_sent_again)
+TEST(what_was_not_acknowledged_is_sent_again)
 {
     start_job();
     child_ready();
@@ -250,9 +241,8 @@ START_TEST(what_was_not_acknowledged_is_sent_again)
     ck_assert_int_eq(said(f.coord, MSG_RESULT), 0);
     ck_assert_uint_eq(f.spawns, 1); /* the child lived on */
 }
-END_TEST
 
-START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
+TEST(a_worker_that_may_not_work_leaves_and_comes_back)
 {
     struct msg bye = { .type = MSG_BYE, .bye = { "drained" } };
     unsigned dials;
@@ -301,9 +291,8 @@ START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     tick(1);
     ck_assert_uint_eq(f.dials, dials + 2);
 }
-END_TEST
 
-START_TEST(a_worker_that_is_welcomed_when_it_may_not_work_leaves)
+TEST(a_worker_that_is_welcomed_when_it_may_not_work_leaves)
 {
     struct msg m = { .type = MSG_WELCOME,
                      .welcome = { MSG_VERSION, 1, "radcoord" } };
@@ -324,7 +313,6 @@ START_TEST(a_worker_that_is_welcomed_when_it_may_not_work_leaves)
     carry_out();
     ck_assert_int_eq(said(f.coord, MSG_DRAIN), 0);
 }
-END_TEST
 
 /* Nobody takes its work back: it waits for the next dial, it dials, or the
  * coordinator has parted from it. */
@@ -334,7 +322,8 @@ static const enum {
     PARTED
 } no_coord[] = { BEFORE_DIAL, DIALLING, PARTED };
 
-START_TEST(a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children)
+LOOP_TEST(a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children,
+          N_ELEM(no_coord))
 {
     struct msg bye = { .type = MSG_BYE, .bye = { "drained" } };
     unsigned dials;
@@ -358,9 +347,8 @@ START_TEST(a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children)
     ck_assert_uint_eq(f.dials, dials);
     ck_assert_uint_eq(f.spawns, 1);
 }
-END_TEST
 
-START_TEST(what_is_kept_is_counted_until_it_is_acknowledged)
+TEST(what_is_kept_is_counted_until_it_is_acknowledged)
 {
     struct msg ack = { .type = MSG_ACK, .ack = { job_id, 0, 1, 0, 2 } };
     struct msg other[] = { ack, ack, ack };
@@ -389,9 +377,8 @@ START_TEST(what_is_kept_is_counted_until_it_is_acknowledged)
     hear(f.coord, &ack);
     ck_assert_uint_eq(worker_kept(f.w, f.child), 0);
 }
-END_TEST
 
-START_TEST(a_child_that_is_held_does_not_hang)
+TEST(a_child_that_is_held_does_not_hang)
 {
     start_job();
     child_ready();
@@ -405,10 +392,9 @@ START_TEST(a_child_that_is_held_does_not_hang)
         tick(900);
     ck_assert_uint_eq(f.kills, 1);
 }
-END_TEST
 
 /* The second row: a new child loads already. */
-START_TEST(rows_of_a_child_that_died_after_a_cut_are_sent_again)
+LOOP_TEST(rows_of_a_child_that_died_after_a_cut_are_sent_again, 2)
 {
     start_job();
     child_ready();
@@ -439,9 +425,8 @@ START_TEST(rows_of_a_child_that_died_after_a_cut_are_sent_again)
     ack(0, 2);
     ck_assert_uint_eq(worker_kept(f.w, f.child), 0);
 }
-END_TEST
 
-START_TEST(rows_wait_for_the_start_after_a_cut)
+TEST(rows_wait_for_the_start_after_a_cut)
 {
     start_job();
     child_ready();
@@ -456,9 +441,8 @@ START_TEST(rows_wait_for_the_start_after_a_cut)
     start_job();
     ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
 }
-END_TEST
 
-START_TEST(a_lost_child_is_reported_with_its_suspects)
+TEST(a_lost_child_is_reported_with_its_suspects)
 {
     start_job();
     child_ready();
@@ -477,9 +461,8 @@ START_TEST(a_lost_child_is_reported_with_its_suspects)
     start_job();
     ck_assert_uint_eq(f.spawns, 2);
 }
-END_TEST
 
-START_TEST(the_end_of_a_job_ends_its_child)
+TEST(the_end_of_a_job_ends_its_child)
 {
     struct msg m = { .type = MSG_JOB_END, .job_end = { job_id } };
 
@@ -492,9 +475,8 @@ START_TEST(the_end_of_a_job_ends_its_child)
     hear(f.coord, &m);
     ck_assert_int_eq(f.nsaid, 0);
 }
-END_TEST
 
-START_TEST(a_child_that_gives_up_is_reported)
+TEST(a_child_that_gives_up_is_reported)
 {
     struct msg m = { .type = MSG_FAILED, .failed = { job_id, 65, "no light" } };
 
@@ -504,7 +486,6 @@ START_TEST(a_child_that_gives_up_is_reported)
     ck_assert_uint_eq(f.last.failed.status, 65);
     ck_assert_uint_eq(f.kills, 1);
 }
-END_TEST
 
 static const struct {
     int status;
@@ -522,7 +503,7 @@ static const struct {
     { EX_NOPERM, MSG_LOST, 0, EX_IOERR },
 };
 
-START_TEST(what_is_wrong_here_is_not_the_scenes_fault)
+LOOP_TEST(what_is_wrong_here_is_not_the_scenes_fault, N_ELEM(giving_up))
 {
     struct msg m = { .type = MSG_FAILED,
                      .failed = { job_id, (uint16_t)giving_up[_i].status,
@@ -540,9 +521,8 @@ START_TEST(what_is_wrong_here_is_not_the_scenes_fault)
         ck_assert_str_eq(f.last.lost.text, "why");
     }
 }
-END_TEST
 
-START_TEST(a_child_killed_from_outside_leaves_no_suspects)
+TEST(a_child_killed_from_outside_leaves_no_suspects)
 {
     start_job();
     child_ready();
@@ -552,10 +532,9 @@ START_TEST(a_child_killed_from_outside_leaves_no_suspects)
     ck_assert_int_eq(f.last.type, MSG_LOST);
     ck_assert_uint_eq(f.last.lost.nunits, 0);
 }
-END_TEST
 
 /* load_s is 100 */
-START_TEST(a_child_that_hangs_is_ended)
+TEST(a_child_that_hangs_is_ended)
 {
     start_job();
     for (int i = 0; i < 109; i++)
@@ -574,9 +553,8 @@ START_TEST(a_child_that_hangs_is_ended)
     ck_assert_uint_eq(f.last.lost.nunits, 1);
     ck_assert_str_eq(f.last.lost.text, "silent for 100 s");
 }
-END_TEST
 
-START_TEST(a_child_without_units_may_be_silent)
+TEST(a_child_without_units_may_be_silent)
 {
     start_job();
     child_ready();
@@ -584,9 +562,8 @@ START_TEST(a_child_without_units_may_be_silent)
         tick(900);
     ck_assert_uint_eq(f.kills, 0);
 }
-END_TEST
 
-START_TEST(a_child_that_hangs_at_a_tile_is_ended)
+TEST(a_child_that_hangs_at_a_tile_is_ended)
 {
     struct msg tile = { .type = MSG_TILE, .tile = { .job = job_id } };
     struct msg made = { .type = MSG_TILE_MADE, .tile_made = { .job = job_id } };
@@ -603,9 +580,8 @@ START_TEST(a_child_that_hangs_at_a_tile_is_ended)
         tick(900);
     ck_assert_uint_eq(f.kills, 1);
 }
-END_TEST
 
-START_TEST(a_refusal_ends_it_with_the_status)
+TEST(a_refusal_ends_it_with_the_status)
 {
     struct msg m = { .type = MSG_REFUSE, .refuse = { 76, "version" } };
 
@@ -616,9 +592,8 @@ START_TEST(a_refusal_ends_it_with_the_status)
     ck_assert(f.stopped);
     ck_assert_int_eq(f.status, 76);
 }
-END_TEST
 
-START_TEST(it_speaks_as_it_is_welcomed)
+RANGE_TEST(it_speaks_as_it_is_welcomed, MSG_VERSION_MIN, MSG_VERSION + 1)
 {
     const uint16_t version = (uint16_t)_i;
     struct msg m = { .type = MSG_WELCOME,
@@ -636,11 +611,10 @@ START_TEST(it_speaks_as_it_is_welcomed)
     ck_assert_int_eq(f.session, MSG_AT_WORKER);
     ck_assert_uint_eq(f.version, version);
 }
-END_TEST
 
 static const uint16_t strange[] = { 0, MSG_VERSION + 1, 9 };
 
-START_TEST(it_ends_when_welcomed_in_another_version)
+LOOP_TEST(it_ends_when_welcomed_in_another_version, N_ELEM(strange))
 {
     struct msg m = { .type = MSG_WELCOME,
                      .welcome = { strange[_i], 1, "radcoord" } };
@@ -652,7 +626,6 @@ START_TEST(it_ends_when_welcomed_in_another_version)
     ck_assert(f.stopped);
     ck_assert_int_eq(f.status, 76);
 }
-END_TEST
 
 /* The coordinator is lost when two pieces of a job's rows are on their way. */
 static void
@@ -667,7 +640,7 @@ cut_with_rows(void)
     tick(500);
 }
 
-START_TEST(results_come_again_in_another_life_of_the_coordinator)
+TEST(results_come_again_in_another_life_of_the_coordinator)
 {
     struct msg m = { .type = MSG_WELCOME, .welcome = { 1, 2, "radcoord" } };
 
@@ -680,9 +653,8 @@ START_TEST(results_come_again_in_another_life_of_the_coordinator)
     ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
     ck_assert_int_eq(said(f.coord, MSG_READY), 1);
 }
-END_TEST
 
-START_TEST(it_leaves_when_the_coordinator_lets_it_go)
+TEST(it_leaves_when_the_coordinator_lets_it_go)
 {
     struct msg m = { .type = MSG_BYE, .bye = { "drained" } };
 
@@ -698,10 +670,9 @@ START_TEST(it_leaves_when_the_coordinator_lets_it_go)
     carry_out();
     ck_assert_uint_eq(f.warnings, 0);
 }
-END_TEST
 
 /* Nothing is given up but columns that another worker lends. */
-START_TEST(units_go_on_when_the_coordinator_is_back)
+TEST(units_go_on_when_the_coordinator_is_back)
 {
     static const uint8_t bitmap[1] = { 1 };
     const struct msg parked = { .type = MSG_PARKED,
@@ -738,11 +709,10 @@ START_TEST(units_go_on_when_the_coordinator_is_back)
     rows(0, 2);
     ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
 }
-END_TEST
 
 /* The coordinator died before it had kept the job, and another job's cache is
  * the last one that fits by now. */
-START_TEST(a_job_that_begins_with_another_cache_begins_anew)
+TEST(a_job_that_begins_with_another_cache_begins_anew)
 {
     static const uint8_t one[MSG_JOB] = { 1 }, other[MSG_JOB] = { 2 };
 
@@ -763,7 +733,6 @@ START_TEST(a_job_that_begins_with_another_cache_begins_anew)
     ck_assert_uint_eq(f.spawns, 2);
     job_reuse = NULL;
 }
-END_TEST
 
 static void
 start_job_after_a_cut(void)
@@ -777,7 +746,7 @@ start_job_after_a_cut(void)
 
 /* The job was deleted while the worker was not connected, and its id given to
  * another job, as radsubmit --job can. */
-START_TEST(another_job_of_the_same_id_begins_anew)
+TEST(another_job_of_the_same_id_begins_anew)
 {
     static const uint8_t other[MSG_HASH] = { 2 };
 
@@ -798,9 +767,8 @@ START_TEST(another_job_of_the_same_id_begins_anew)
     job_seed = 0;
     ck_assert_uint_eq(f.spawns, 3);
 }
-END_TEST
 
-START_TEST(a_job_of_another_priority_goes_on)
+TEST(a_job_of_another_priority_goes_on)
 {
     start_job();
     child_ready();
@@ -810,9 +778,8 @@ START_TEST(a_job_of_another_priority_goes_on)
     ck_assert_uint_eq(f.spawns, 1);
     ck_assert_int_eq(said(f.coord, MSG_READY), 1);
 }
-END_TEST
 
-START_TEST(a_parked_unit_is_no_suspect)
+TEST(a_parked_unit_is_no_suspect)
 {
     struct msg m = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
 
@@ -828,9 +795,8 @@ START_TEST(a_parked_unit_is_no_suspect)
     ck_assert_uint_eq(f.last.lost.units[0], 1);
     ck_assert_uint_eq(f.last.lost.units[1], 2);
 }
-END_TEST
 
-START_TEST(a_unit_that_was_parked_and_is_resumed_is_a_suspect)
+TEST(a_unit_that_was_parked_and_is_resumed_is_a_suspect)
 {
     struct msg parked = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
     struct msg resumed = { .type = MSG_RESUMED, .resumed = { job_id, 1, 1 } };
@@ -849,61 +815,4 @@ START_TEST(a_unit_that_was_parked_and_is_resumed_is_a_suspect)
     carry_out();
     ck_assert_uint_eq(f.last.lost.nunits, 1);
     ck_assert_uint_eq(f.last.lost.units[0], 1);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("worker");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, it_dials_again_and_waits_longer_each_time);
-    tcase_add_test(tc, files_that_it_lacks_come_before_the_child);
-    tcase_add_test(tc, what_finds_no_room_is_told_and_again_when_it_does);
-    tcase_add_test(tc, what_finds_no_room_on_the_only_disk_fails_the_job);
-    tcase_add_test(
-        tc, what_is_missing_while_the_coordinator_is_away_is_wanted_later);
-    tcase_add_test(tc, only_what_was_asked_for_is_kept);
-    tcase_add_test(tc,
-                   what_a_job_wanted_that_is_over_is_wanted_again_by_the_next);
-    tcase_add_test(tc, a_file_that_comes_is_not_wanted_again_by_the_next_job);
-    tcase_add_test(
-        tc, what_a_job_wanted_that_had_no_room_is_wanted_again_by_the_next);
-    tcase_add_test(tc, a_worker_that_has_stopped_starts_no_child);
-    tcase_add_test(tc, units_go_down_and_results_up);
-    tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
-    tcase_add_test(tc, a_worker_that_may_not_work_leaves_and_comes_back);
-    tcase_add_test(tc, a_worker_that_is_welcomed_when_it_may_not_work_leaves);
-    tcase_add_loop_test(
-        tc, a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children,
-        0, N_ELEM(no_coord));
-    tcase_add_test(tc, what_is_kept_is_counted_until_it_is_acknowledged);
-    tcase_add_test(tc, a_child_that_is_held_does_not_hang);
-    tcase_add_loop_test(
-        tc, rows_of_a_child_that_died_after_a_cut_are_sent_again, 0, 2);
-    tcase_add_test(tc, rows_wait_for_the_start_after_a_cut);
-    tcase_add_test(tc, a_lost_child_is_reported_with_its_suspects);
-    tcase_add_test(tc, the_end_of_a_job_ends_its_child);
-    tcase_add_test(tc, a_child_that_gives_up_is_reported);
-    tcase_add_loop_test(tc, what_is_wrong_here_is_not_the_scenes_fault, 0,
-                        N_ELEM(giving_up));
-    tcase_add_test(tc, a_child_killed_from_outside_leaves_no_suspects);
-    tcase_add_test(tc, a_child_that_hangs_is_ended);
-    tcase_add_test(tc, a_child_without_units_may_be_silent);
-    tcase_add_test(tc, a_child_that_hangs_at_a_tile_is_ended);
-    tcase_add_test(tc, a_refusal_ends_it_with_the_status);
-    tcase_add_loop_test(tc, it_speaks_as_it_is_welcomed, MSG_VERSION_MIN,
-                        MSG_VERSION + 1);
-    tcase_add_loop_test(tc, it_ends_when_welcomed_in_another_version, 0,
-                        N_ELEM(strange));
-    tcase_add_test(tc, results_come_again_in_another_life_of_the_coordinator);
-    tcase_add_test(tc, it_leaves_when_the_coordinator_lets_it_go);
-    tcase_add_test(tc, units_go_on_when_the_coordinator_is_back);
-    tcase_add_test(tc, a_job_that_begins_with_another_cache_begins_anew);
-    tcase_add_test(tc, another_job_of_the_same_id_begins_anew);
-    tcase_add_test(tc, a_job_of_another_priority_goes_on);
-    tcase_add_test(tc, a_parked_unit_is_no_suspect);
-    tcase_add_test(tc, a_unit_that_was_parked_and_is_resumed_is_a_suspect);
-    return unit_run_case(tc);
 }

@@ -39,7 +39,9 @@ link_peer(void)
     carry_out();
 }
 
-START_TEST(a_base_line_goes_to_whom_waits_and_to_the_coordinator)
+FIXTURE(set_up, tear_down)
+
+TEST(a_base_line_goes_to_whom_waits_and_to_the_coordinator)
 {
     start_job();
     child_ready();
@@ -63,9 +65,8 @@ START_TEST(a_base_line_goes_to_whom_waits_and_to_the_coordinator)
                       2 * (2 * (MSG_HEADER + 41) + 8 * 12 + 4));
     ck_assert_uint_eq(f.last.tally.base_line_pixels, 8);
 }
-END_TEST
 
-START_TEST(a_base_line_that_is_made_goes_to_one_named_late_or_linked_late)
+TEST(a_base_line_that_is_made_goes_to_one_named_late_or_linked_late)
 {
     start_job();
     child_ready();
@@ -85,9 +86,8 @@ START_TEST(a_base_line_that_is_made_goes_to_one_named_late_or_linked_late)
     ck_assert_int_eq(said(f.peer, MSG_BASE_LINE), 2);
     ck_assert_uint_eq(f.last.base_line.x, 7);
 }
-END_TEST
 
-START_TEST(a_base_line_from_a_peer_goes_to_the_child_if_it_fits)
+TEST(a_base_line_from_a_peer_goes_to_the_child_if_it_fits)
 {
     struct msg m = piece(0, 8, 0, 4);
 
@@ -106,9 +106,8 @@ START_TEST(a_base_line_from_a_peer_goes_to_the_child_if_it_fits)
     hear(f.coord, &m); /* the coordinator has it, too */
     ck_assert_int_eq(said(f.child, MSG_BASE_LINE), 2);
 }
-END_TEST
 
-START_TEST(base_lines_are_repeated_before_rows_that_were_not_acknowledged)
+TEST(base_lines_are_repeated_before_rows_that_were_not_acknowledged)
 {
     start_job();
     child_ready();
@@ -135,10 +134,9 @@ START_TEST(base_lines_are_repeated_before_rows_that_were_not_acknowledged)
     start_job();
     ck_assert_int_eq(said(f.coord, MSG_BASE_LINE), 0);
 }
-END_TEST
 
 /* Down only what is about a unit that the child has, up all of it. */
-START_TEST(what_workers_share_passes_through)
+TEST(what_workers_share_passes_through)
 {
     static const uint8_t bitmap[1] = { 1 };
     static const struct msg_area area = { 0, 0, 0, 8, 8 };
@@ -188,11 +186,10 @@ START_TEST(what_workers_share_passes_through)
         ck_assert_int_eq(said(f.coord, up[i].type), 1);
     }
 }
-END_TEST
 
 /* Columns that another lends are with the child until it says PAID; again after
  * that, it may not have heard yet that they were taken back. */
-START_TEST(what_is_lent_is_a_unit_until_it_is_done)
+TEST(what_is_lent_is_a_unit_until_it_is_done)
 {
     static const uint8_t bitmap[1] = { 1 };
     struct msg loan = { .type = MSG_LOAN,
@@ -220,7 +217,6 @@ START_TEST(what_is_lent_is_a_unit_until_it_is_done)
     carry_out();
     ck_assert_uint_eq(f.last.lost.nunits, 0);
 }
-END_TEST
 
 /* Its child would wait for ever. */
 static struct msg_tally
@@ -231,7 +227,7 @@ tally_said(void)
 }
 
 /* What a loan cost is said once; in sum again, if it may not have come. */
-START_TEST(what_loans_cost_is_not_lost_with_a_connection)
+TEST(what_loans_cost_is_not_lost_with_a_connection)
 {
     const struct msg paid = { .type = MSG_PAID,
                               .paid = { job_id, 3, 2, { .rays = 9 } } };
@@ -271,9 +267,8 @@ START_TEST(what_loans_cost_is_not_lost_with_a_connection)
     ck_assert_uint_eq(t.paid.rays, 0);
     ck_assert_uint_eq(t.dropped.rays, 2);
 }
-END_TEST
 
-START_TEST(what_it_lends_comes_back_when_the_coordinator_is_gone)
+TEST(what_it_lends_comes_back_when_the_coordinator_is_gone)
 {
     static const uint8_t bitmap[1] = { 1 };
     const struct msg loan = { .type = MSG_LOAN,
@@ -294,24 +289,4 @@ START_TEST(what_it_lends_comes_back_when_the_coordinator_is_gone)
     ck_assert(f.last.back.line == 5 && f.last.back.n == 0);
     hear(f.child, &loan); /* asked for before */
     ck_assert_int_eq(said(f.child, MSG_BACK), 2);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("worker_lines");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, a_base_line_goes_to_whom_waits_and_to_the_coordinator);
-    tcase_add_test(
-        tc, a_base_line_that_is_made_goes_to_one_named_late_or_linked_late);
-    tcase_add_test(tc, a_base_line_from_a_peer_goes_to_the_child_if_it_fits);
-    tcase_add_test(
-        tc, base_lines_are_repeated_before_rows_that_were_not_acknowledged);
-    tcase_add_test(tc, what_workers_share_passes_through);
-    tcase_add_test(tc, what_is_lent_is_a_unit_until_it_is_done);
-    tcase_add_test(tc, what_loans_cost_is_not_lost_with_a_connection);
-    tcase_add_test(tc, what_it_lends_comes_back_when_the_coordinator_is_gone);
-    return unit_run_case(tc);
 }

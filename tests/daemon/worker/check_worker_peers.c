@@ -18,7 +18,9 @@ child_records(void)
     hear(f.child, &m);
 }
 
-START_TEST(records_go_to_peers_and_from_peers_to_the_child)
+FIXTURE(set_up, tear_down)
+
+TEST(records_go_to_peers_and_from_peers_to_the_child)
 {
     struct msg m = { .type = MSG_AMBIENT, .ambient = { 1, token, 9 } };
 
@@ -36,7 +38,6 @@ START_TEST(records_go_to_peers_and_from_peers_to_the_child)
     hear(f.peer, &m);
     ck_assert_int_eq(said(f.child, MSG_AMBIENT), 1);
 }
-END_TEST
 
 /* To the peers, too, where they are shared. */
 static void
@@ -54,26 +55,23 @@ keep_records(uint32_t flags, int to_peer)
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), to_peer);
 }
 
-START_TEST(records_that_radsubmit_wants_go_to_the_coordinator)
+TEST(records_that_radsubmit_wants_go_to_the_coordinator)
 {
     keep_records(MSG_JOB_RECORDS | MSG_JOB_SHARE, 1);
 }
-END_TEST
 
-START_TEST(records_that_are_not_shared_go_nowhere_else)
+TEST(records_that_are_not_shared_go_nowhere_else)
 {
     keep_records(MSG_JOB_RECORDS, 0);
 }
-END_TEST
 
-START_TEST(records_that_nobody_wants_stay)
+TEST(records_that_nobody_wants_stay)
 {
     start_job();
     child_ready();
     child_records();
     ck_assert_int_eq(said(f.coord, MSG_RECORDS), 0);
 }
-END_TEST
 
 static bool
 is_token(void *arg, const uint8_t job[MSG_JOB], const uint8_t its[MSG_TOKEN])
@@ -93,7 +91,7 @@ is_none(void *arg, const uint8_t job[MSG_JOB], const uint8_t its[MSG_TOKEN])
 }
 
 /* Only while the peer is expected, and not after the job. */
-START_TEST(a_peers_key_is_forgotten)
+TEST(a_peers_key_is_forgotten)
 {
     struct msg end = { .type = MSG_JOB_END, .job_end = { job_id } };
 
@@ -108,9 +106,8 @@ START_TEST(a_peers_key_is_forgotten)
     hear(f.coord, &end);
     ck_assert(!worker_peer_token(f.w, is_token, NULL));
 }
-END_TEST
 
-START_TEST(a_peer_that_is_no_longer_welcome_is_let_go)
+TEST(a_peer_that_is_no_longer_welcome_is_let_go)
 {
     start_job();
     child_ready();
@@ -124,10 +121,9 @@ START_TEST(a_peer_that_is_no_longer_welcome_is_let_go)
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
     introduce(MSG_PEER_DROP); /* and again: there is none */
 }
-END_TEST
 
 /* It may have been retired before the coordinator was started anew. */
-START_TEST(a_peer_that_another_life_of_the_coordinator_does_not_name_is_let_go)
+TEST(a_peer_that_another_life_of_the_coordinator_does_not_name_is_let_go)
 {
     struct msg m = { .type = MSG_WELCOME,
                      .welcome = { MSG_VERSION, 1, "radcoord" } };
@@ -152,7 +148,6 @@ START_TEST(a_peer_that_another_life_of_the_coordinator_does_not_name_is_let_go)
     child_records();
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
 }
-END_TEST
 
 static void
 peer_says_hello(uint64_t conn, const uint8_t *its_token)
@@ -164,7 +159,7 @@ peer_says_hello(uint64_t conn, const uint8_t *its_token)
     hear(conn, &m);
 }
 
-START_TEST(a_peer_is_let_in_by_its_token_alone)
+TEST(a_peer_is_let_in_by_its_token_alone)
 {
     static const uint8_t wrong[MSG_TOKEN] = { 4 };
 
@@ -179,9 +174,8 @@ START_TEST(a_peer_is_let_in_by_its_token_alone)
     ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
     ck_assert_int_eq(said(7, MSG_AMBIENT), 0);
 }
-END_TEST
 
-START_TEST(a_peer_may_call_before_the_coordinator_named_it)
+TEST(a_peer_may_call_before_the_coordinator_named_it)
 {
     start_job();
     child_ready();
@@ -190,10 +184,9 @@ START_TEST(a_peer_may_call_before_the_coordinator_named_it)
     child_records();
     ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
 }
-END_TEST
 
 /* By the same token, as long as it is not to have been forgotten. */
-START_TEST(a_peer_whose_link_broke_is_let_in_again)
+TEST(a_peer_whose_link_broke_is_let_in_again)
 {
     start_job();
     child_ready();
@@ -208,9 +201,8 @@ START_TEST(a_peer_whose_link_broke_is_let_in_again)
     child_records();
     ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
 }
-END_TEST
 
-START_TEST(a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts)
+TEST(a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts)
 {
     struct msg end = { .type = MSG_JOB_END, .job_end = { job_id } };
     unsigned dials;
@@ -235,7 +227,6 @@ START_TEST(a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts)
     tick(60000);
     ck_assert_uint_eq(f.dials - dials, 21);
 }
-END_TEST
 
 /* How long after the link was lost, or the dial failed, it dials again [ms]. */
 static unsigned
@@ -251,7 +242,7 @@ redial_ms(void)
 }
 
 /* Chance adds nothing, or half.  The log tells it once, after some seconds. */
-START_TEST(a_peer_that_is_not_reached_is_dialled_ever_less_often)
+LOOP_TEST(a_peer_that_is_not_reached_is_dialled_ever_less_often, 2)
 {
     static const unsigned ms[] = { 100,  200,   400,   800,   1600, 3200,
                                    6400, 12800, 25600, 30000, 30000 };
@@ -273,11 +264,10 @@ START_TEST(a_peer_that_is_not_reached_is_dialled_ever_less_often)
     tick(10000);
     ck_assert_uint_le(redial_ms(), 150);
 }
-END_TEST
 
 /* A firewall that drops packets lets a dial take ten seconds.  A link that
  * breaks, as at the end of a job, was reached. */
-START_TEST(a_peer_that_never_answers_is_told_at_once)
+TEST(a_peer_that_never_answers_is_told_at_once)
 {
     start_job();
     child_ready();
@@ -296,10 +286,10 @@ START_TEST(a_peer_that_never_answers_is_told_at_once)
     redial_ms();
     ck_assert_int_eq(f.warnings, 1);
 }
-END_TEST
 
 /* As the coordinator says of the pair. */
-START_TEST(it_speaks_with_a_peer_what_both_know)
+RANGE_TEST(it_speaks_with_a_peer_what_both_know, MSG_VERSION_MIN,
+           MSG_VERSION + 1)
 {
     const uint16_t version = (uint16_t)_i;
     struct msg_peer p = { "ws2", "tcp x", token, MSG_PEER_DIAL, version };
@@ -313,9 +303,8 @@ START_TEST(it_speaks_with_a_peer_what_both_know)
     ck_assert_int_eq(f.session, MSG_AT_PEER);
     ck_assert_uint_eq(f.version, version);
 }
-END_TEST
 
-START_TEST(a_slow_peer_loses_the_oldest_records)
+TEST(a_slow_peer_loses_the_oldest_records)
 {
     static uint8_t data[LOSSY_WINDOW / 2];
     struct lossy_frame *frame_out;
@@ -340,7 +329,6 @@ START_TEST(a_slow_peer_loses_the_oldest_records)
     ck_assert_ptr_null(lossy_take(&q));
     lossy_release(&q);
 }
-END_TEST
 
 /* --- records of tiles --- */
 
@@ -381,7 +369,7 @@ begin_passes(void)
 }
 
 /* In whatever order they come, those of the next pass among them. */
-START_TEST(the_child_gets_records_in_the_order_of_tiles)
+TEST(the_child_gets_records_in_the_order_of_tiles)
 {
     const struct msg_frozen *z = &f.last.frozen;
 
@@ -404,10 +392,9 @@ START_TEST(the_child_gets_records_in_the_order_of_tiles)
     closed(2, 0); /* a pass without records */
     ck_assert(z->pass == 2 && z->last && z->count == 0);
 }
-END_TEST
 
 /* After a while without any, and at once when they are others. */
-START_TEST(records_that_are_lacking_are_said_to_be)
+TEST(records_that_are_lacking_are_said_to_be)
 {
     struct msg frozen = { .type = MSG_FROZEN,
                           .frozen = { job_id, 0, 0, 1, 1, token, 9 } };
@@ -431,10 +418,9 @@ START_TEST(records_that_are_lacking_are_said_to_be)
     ck_assert_int_eq(said(f.child, MSG_FROZEN), 0);
     ck_assert(f.last.type == MSG_HOLDS && !f.last.holds.whole);
 }
-END_TEST
 
 /* The coordinator goes on while this worker waits for a pass. */
-START_TEST(passes_that_are_closed_wait_for_one_that_lacks_records)
+TEST(passes_that_are_closed_wait_for_one_that_lacks_records)
 {
     struct msg frozen = { .type = MSG_FROZEN,
                           .frozen = { job_id, 0, 0, 1, 1, token, 9 } };
@@ -454,9 +440,8 @@ START_TEST(passes_that_are_closed_wait_for_one_that_lacks_records)
     ck_assert_int_eq(said(f.coord, MSG_HOLDS), WJOB_PASSES);
     ck_assert(f.last.holds.pass == WJOB_PASSES && !f.last.holds.whole);
 }
-END_TEST
 
-START_TEST(records_go_on_once_to_peers_that_are_fed)
+TEST(records_go_on_once_to_peers_that_are_fed)
 {
     struct msg feed = { .type = MSG_FEED, .feed = { job_id, 1, { "ws2" } } };
 
@@ -479,11 +464,10 @@ START_TEST(records_go_on_once_to_peers_that_are_fed)
     tile_records(f.coord, 0, 3);
     ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
 }
-END_TEST
 
 /* A child that is new has no pass: what was gathered for another is of no use.
  */
-START_TEST(a_new_child_begins_with_the_first_pass)
+TEST(a_new_child_begins_with_the_first_pass)
 {
     begin_passes();
     tile_records(f.coord, 0, 0);
@@ -500,39 +484,4 @@ START_TEST(a_new_child_begins_with_the_first_pass)
     closed(0, 1);
     tile_records(f.coord, 0, 0);
     ck_assert_int_eq(said(f.child, MSG_FROZEN), 1);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("worker_peers");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, records_go_to_peers_and_from_peers_to_the_child);
-    tcase_add_test(tc, records_that_radsubmit_wants_go_to_the_coordinator);
-    tcase_add_test(tc, records_that_are_not_shared_go_nowhere_else);
-    tcase_add_test(tc, records_that_nobody_wants_stay);
-    tcase_add_test(tc, a_peers_key_is_forgotten);
-    tcase_add_test(tc, a_peer_that_is_no_longer_welcome_is_let_go);
-    tcase_add_test(
-        tc,
-        a_peer_that_another_life_of_the_coordinator_does_not_name_is_let_go);
-    tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
-    tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
-    tcase_add_test(tc, a_peer_whose_link_broke_is_let_in_again);
-    tcase_add_test(
-        tc, a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts);
-    tcase_add_loop_test(
-        tc, a_peer_that_is_not_reached_is_dialled_ever_less_often, 0, 2);
-    tcase_add_test(tc, a_peer_that_never_answers_is_told_at_once);
-    tcase_add_loop_test(tc, it_speaks_with_a_peer_what_both_know,
-                        MSG_VERSION_MIN, MSG_VERSION + 1);
-    tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
-    tcase_add_test(tc, the_child_gets_records_in_the_order_of_tiles);
-    tcase_add_test(tc, records_that_are_lacking_are_said_to_be);
-    tcase_add_test(tc, passes_that_are_closed_wait_for_one_that_lacks_records);
-    tcase_add_test(tc, records_go_on_once_to_peers_that_are_fed);
-    tcase_add_test(tc, a_new_child_begins_with_the_first_pass);
-    return unit_run_case(tc);
 }

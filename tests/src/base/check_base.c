@@ -21,7 +21,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-START_TEST(first_failure_wins)
+TEST(first_failure_wins)
 {
     struct rad_error err = { 0 };
     char buf[128];
@@ -35,9 +35,8 @@ START_TEST(first_failure_wins)
     ck_assert_int_eq(err.code, RAD_EDATA);
     ck_assert_int_eq(rad_exit_status(err.code), EX_DATAERR);
 }
-END_TEST
 
-START_TEST(message_has_no_control_characters)
+TEST(message_has_no_control_characters)
 {
     struct rad_error err = { 0 };
     char buf[64];
@@ -46,10 +45,9 @@ START_TEST(message_has_no_control_characters)
     rad_error_format(&err, buf, sizeof buf);
     ck_assert_str_eq(buf, "undefined 'a?[31m?'");
 }
-END_TEST
 
 /* A long path leaves room for what is behind it. */
-START_TEST(message_keeps_both_ends)
+TEST(message_keeps_both_ends)
 {
     char path[2048], buf[600];
 
@@ -71,9 +69,8 @@ START_TEST(message_keeps_both_ends)
         ck_assert_ptr_null(strchr(buf, '?')); /* no half of a character */
     }
 }
-END_TEST
 
-START_TEST(arena_survives_rewind_and_large_blocks)
+TEST(arena_survives_rewind_and_large_blocks)
 {
     struct rad_arena a;
     struct rad_arena_mark m;
@@ -102,9 +99,8 @@ START_TEST(arena_survives_rewind_and_large_blocks)
     ck_assert_ptr_null(rad_arena_alloc(&a, SIZE_MAX - 3));
     rad_arena_release(&a);
 }
-END_TEST
 
-START_TEST(arena_frees_what_it_adopted_with_what_it_made_then)
+TEST(arena_frees_what_it_adopted_with_what_it_made_then)
 {
     struct rad_arena a;
     struct rad_arena_mark m;
@@ -126,9 +122,8 @@ START_TEST(arena_frees_what_it_adopted_with_what_it_made_then)
     ck_assert_int_eq(kept[999], 7);
     rad_arena_release(&a);
 }
-END_TEST
 
-START_TEST(list_keeps_what_is_in_it)
+TEST(list_keeps_what_is_in_it)
 {
     uint16_t *v = NULL, *as_it_was;
 
@@ -145,9 +140,8 @@ START_TEST(list_keeps_what_is_in_it)
     ck_assert_uint_eq(v[15], 15);
     free(v);
 }
-END_TEST
 
-START_TEST(normalize_keeps_extremes)
+TEST(normalize_keeps_extremes)
 {
     static const double size[] = { 1e-300, 1e-6, 1, 1e9, 1e300 };
 
@@ -163,9 +157,8 @@ START_TEST(normalize_keeps_extremes)
     ck_assert(rad_normalize(zero) == 0);
     ck_assert(rad_normalize(nan) == 0);
 }
-END_TEST
 
-START_TEST(exponential_is_as_good_as_float_holds)
+TEST(exponential_is_as_good_as_float_holds)
 {
     for (double x = 0; x > -87; x -= 1.37e-3) {
         float e, again;
@@ -182,9 +175,8 @@ START_TEST(exponential_is_as_good_as_float_holds)
     ck_assert(rad_expf(-INFINITY) == 0);
     ck_assert(rad_expf(NAN) == 0);
 }
-END_TEST
 
-START_TEST(frame_is_orthonormal)
+TEST(frame_is_orthonormal)
 {
     for (int i = 0; i < 1000; i++) {
         double u[3], v[3], w[3];
@@ -199,12 +191,11 @@ START_TEST(frame_is_orthonormal)
         ck_assert(rad_dist2(w, n) < 1e-28);
     }
 }
-END_TEST
 
 /* Chi-square of 256 cells, for each of the ways a number's place can vary;
  * 255 degrees of freedom: beyond 340 once in some 4000 draws. */
 /* All around, in steps that meet neither axes nor eighths but at their ends. */
-START_TEST(angles_are_those_of_libm)
+TEST(angles_are_those_of_libm)
 {
     enum { STEPS = 8 * 331 };
 
@@ -224,7 +215,6 @@ START_TEST(angles_are_those_of_libm)
               rad_angle(0, -1) == M_PI && rad_angle(0, 0) == 0);
     ck_assert_double_eq_tol(rad_angle(1e-9, 1), 1e-9, 1e-24);
 }
-END_TEST
 
 /* Units in the last place that x is off. */
 static double
@@ -319,7 +309,8 @@ static const struct {
     { length_of, length_ofl, 1e290, 1e308, true, 4 },
 };
 
-START_TEST(elementary_functions_are_those_of_libm)
+LOOP_TEST(elementary_functions_are_those_of_libm,
+          sizeof elementary / sizeof *elementary)
 {
     const int steps = 40009; /* a prime: no step is a round number */
     double worst = 0, at = 0;
@@ -340,9 +331,8 @@ START_TEST(elementary_functions_are_those_of_libm)
     ck_assert_msg(worst <= elementary[_i].units, "%g units at %.17g", worst,
                   at);
 }
-END_TEST
 
-START_TEST(elementary_functions_end_as_those_of_libm)
+TEST(elementary_functions_end_as_those_of_libm)
 {
     static const double odd[] = { 0, -0., 1,        -1,        2,   -2,
                                   3, -3,  INFINITY, -INFINITY, NAN, .5 };
@@ -374,9 +364,8 @@ START_TEST(elementary_functions_end_as_those_of_libm)
     ck_assert(rad_exp(710) == INFINITY && rad_exp(-746) == 0);
     ck_assert_double_eq_tol(rad_cos(M_PI / 2), 6.123233995736766e-17, 1e-31);
 }
-END_TEST
 
-START_TEST(numbers_are_even_along_every_axis)
+LOOP_TEST(numbers_are_even_along_every_axis, 4)
 {
     enum { N = 256 * 256 };
     int cell[256] = { 0 };
@@ -409,7 +398,6 @@ START_TEST(numbers_are_even_along_every_axis)
         chi += (cell[c] - 256.) * (cell[c] - 256.) / 256.;
     ck_assert_msg(chi < 340 && chi > 170, "chi-square %g", chi);
 }
-END_TEST
 
 #define INDENT "                              "
 
@@ -441,34 +429,10 @@ append_line(void *arg, const char *text)
     strcat(arg, "\n");
 }
 
-START_TEST(help_is_as_wide_as_a_terminal)
+LOOP_TEST(help_is_as_wide_as_a_terminal, N_ELEM(helps))
 {
     char rows[500] = "";
 
     rad_help_row(helps[_i].head, helps[_i].text, append_line, rows);
     ck_assert_str_eq(rows, helps[_i].rows);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("base");
-
-    tcase_add_test(tc, first_failure_wins);
-    tcase_add_test(tc, message_has_no_control_characters);
-    tcase_add_test(tc, message_keeps_both_ends);
-    tcase_add_test(tc, arena_survives_rewind_and_large_blocks);
-    tcase_add_test(tc, arena_frees_what_it_adopted_with_what_it_made_then);
-    tcase_add_test(tc, list_keeps_what_is_in_it);
-    tcase_add_test(tc, normalize_keeps_extremes);
-    tcase_add_test(tc, exponential_is_as_good_as_float_holds);
-    tcase_add_test(tc, frame_is_orthonormal);
-    tcase_add_test(tc, angles_are_those_of_libm);
-    tcase_add_loop_test(tc, elementary_functions_are_those_of_libm, 0,
-                        sizeof elementary / sizeof *elementary);
-    tcase_add_test(tc, elementary_functions_end_as_those_of_libm);
-    tcase_add_loop_test(tc, numbers_are_even_along_every_axis, 0, 4);
-    tcase_add_loop_test(tc, help_is_as_wide_as_a_terminal, 0, N_ELEM(helps));
-    return unit_run_case(tc);
 }

@@ -42,7 +42,7 @@ take(struct rad_params *p, const char *text, struct rad_error *err)
     return rc;
 }
 
-START_TEST(defaults_are_those_of_rpict)
+TEST(defaults_are_those_of_rpict)
 {
     struct rad_params p;
 
@@ -72,9 +72,8 @@ START_TEST(defaults_are_those_of_rpict)
     ck_assert_uint_eq(p.seed, 0);
     ck_assert_int_eq(rad_params_check(&p, NULL), 0);
 }
-END_TEST
 
-START_TEST(options_set_their_field)
+TEST(options_set_their_field)
 {
     struct rad_params p;
 
@@ -97,7 +96,6 @@ START_TEST(options_set_their_field)
     ck_assert(p.ambres == 48 && p.ambdiv == 256 && p.ambssamp == 64);
     ck_assert(p.maxdepth == -8 && p.minweight == .002 && p.seed == 5);
 }
-END_TEST
 
 /* what becomes of -dv, which is on at first */
 static const struct {
@@ -110,7 +108,7 @@ static const struct {
                  { "-dv- -dv", true },  { "-dvT", true },
                  { "-dvn -dv+", true }, { "-pRGB -dv-", false } };
 
-START_TEST(booleans_set_clear_and_toggle)
+LOOP_TEST(booleans_set_clear_and_toggle, N_ELEM(switches))
 {
     struct rad_params p;
 
@@ -118,7 +116,6 @@ START_TEST(booleans_set_clear_and_toggle)
     ck_assert_int_gt(take(&p, switches[_i].text, NULL), 0);
     ck_assert_int_eq(p.directvis, switches[_i].on);
 }
-END_TEST
 
 static const struct {
     const char *text, *what;
@@ -195,7 +192,7 @@ static const struct {
       380 },
 };
 
-START_TEST(bands_are_what_was_asked_for)
+LOOP_TEST(bands_are_what_was_asked_for, N_ELEM(bands))
 {
     struct rad_params p, again;
     struct rad_error err = { 0 };
@@ -217,7 +214,6 @@ START_TEST(bands_are_what_was_asked_for)
     ck_assert_int_gt(take(&again, text, &err), 0);
     ck_assert_mem_eq(&p, &again, sizeof p);
 }
-END_TEST
 
 static const struct {
     const char *text, *what;
@@ -227,7 +223,7 @@ static const struct {
     { "--plane 8", "option '--plane 8': -cs 3 has 1 planes, from 0" },
 };
 
-START_TEST(bands_that_cannot_be_are_refused)
+LOOP_TEST(bands_that_cannot_be_are_refused, N_ELEM(misfits))
 {
     struct rad_params p;
     struct rad_error err = { 0 };
@@ -237,10 +233,9 @@ START_TEST(bands_that_cannot_be_are_refused)
     ck_assert_int_eq(rad_params_check(&p, &err), RAD_EUSAGE);
     ck_assert_str_eq(err.what, misfits[_i].what);
 }
-END_TEST
 
 /* what rpict has unless told otherwise */
-START_TEST(three_spectral_samples_are_taken)
+TEST(three_spectral_samples_are_taken)
 {
     struct rad_params p, q;
     struct rad_error err = { 0 };
@@ -251,9 +246,8 @@ START_TEST(three_spectral_samples_are_taken)
     ck_assert_mem_eq(&p, &q, sizeof p);
     ck_assert_int_eq(take(&p, "-cs", &err), RAD_EUSAGE);
 }
-END_TEST
 
-START_TEST(bad_options_are_named)
+LOOP_TEST(bad_options_are_named, N_ELEM(bad))
 {
     struct rad_params p;
     struct rad_error err = { 0 };
@@ -262,9 +256,8 @@ START_TEST(bad_options_are_named)
     ck_assert_int_eq(take(&p, bad[_i].text, &err), RAD_EUSAGE);
     ck_assert_str_eq(err.what, bad[_i].what);
 }
-END_TEST
 
-START_TEST(other_words_are_left_alone)
+TEST(other_words_are_left_alone)
 {
     static const char *const words[] = { "scene.oct", "-vp", "-vf", "-dtx",
                                          "-dvx",      "-",   "-o",  "--see",
@@ -283,10 +276,9 @@ START_TEST(other_words_are_left_alone)
         ck_assert_mem_eq(&p, &before, sizeof p);
     }
 }
-END_TEST
 
 /* as rpict -defaults has it */
-START_TEST(no_limit_of_photons_is_taken)
+TEST(no_limit_of_photons_is_taken)
 {
     struct rad_params p, before;
 
@@ -295,9 +287,8 @@ START_TEST(no_limit_of_photons_is_taken)
     ck_assert_int_eq(take(&p, "-am 0.0", NULL), 2);
     ck_assert_mem_eq(&p, &before, sizeof p);
 }
-END_TEST
 
-START_TEST(sampling_stays_within_what_rpict_does)
+TEST(sampling_stays_within_what_rpict_does)
 {
     struct rad_params p;
 
@@ -307,9 +298,8 @@ START_TEST(sampling_stays_within_what_rpict_does)
     ck_assert_int_gt(take(&p, "-ps 40", NULL), 0);
     ck_assert_int_eq(p.psample, 16);
 }
-END_TEST
 
-START_TEST(a_negative_aspect_fills_the_picture)
+TEST(a_negative_aspect_fills_the_picture)
 {
     struct rad_params p;
 
@@ -319,9 +309,8 @@ START_TEST(a_negative_aspect_fills_the_picture)
     ck_assert_int_gt(take(&p, "-pa 1.5", NULL), 0);
     ck_assert(p.pixaspect == 1.5);
 }
-END_TEST
 
-START_TEST(check_refuses_what_does_not_go_together)
+TEST(check_refuses_what_does_not_go_together)
 {
     struct rad_params p;
     struct rad_error err = { 0 };
@@ -331,11 +320,10 @@ START_TEST(check_refuses_what_does_not_go_together)
     ck_assert_int_eq(rad_params_check(&p, &err), RAD_EUSAGE);
     ck_assert_ptr_nonnull(strstr(err.what, "-lr -4"));
 }
-END_TEST
 
 /* -pRGB, -pXYZ and -pc: the last one counts, and Radiance's own primaries are
  * no others. */
-START_TEST(last_kind_of_output_colour_counts)
+TEST(last_kind_of_output_colour_counts)
 {
     struct rad_rgb L = rad_rgb(1, 1, 1), xyz;
     struct rad_params p;
@@ -362,9 +350,8 @@ START_TEST(last_kind_of_output_colour_counts)
                      0);
     ck_assert_int_eq(p.primaries, RAD_PRIM_RGB);
 }
-END_TEST
 
-START_TEST(names_of_the_last_kind_add_up)
+TEST(names_of_the_last_kind_add_up)
 {
     struct rad_params p;
     struct rad_error err = { 0 };
@@ -400,7 +387,6 @@ START_TEST(names_of_the_last_kind_add_up)
     ck_assert_int_gt(take(&q, text, NULL), 0);
     ck_assert_mem_eq(&p, &q, sizeof p);
 }
-END_TEST
 
 static double
 any_real(uint64_t key)
@@ -411,7 +397,7 @@ any_real(uint64_t key)
     return key % 3 == 0 ? floor(u * 100) / 100 : ldexp(u, (int)(key % 400));
 }
 
-START_TEST(text_gives_the_same_parameters_bit_for_bit)
+TEST(text_gives_the_same_parameters_bit_for_bit)
 {
     for (uint64_t i = 0; i < 300; i++) {
         struct rad_params p, q;
@@ -435,7 +421,6 @@ START_TEST(text_gives_the_same_parameters_bit_for_bit)
         ck_assert_str_eq(text, again);
     }
 }
-END_TEST
 
 static const struct {
     const char *a, *b, *name;
@@ -450,7 +435,7 @@ static const struct {
     { "-ab 2 -cs 6", "-ab 1", "-ab" },
 };
 
-START_TEST(first_option_that_differs_is_named)
+LOOP_TEST(first_option_that_differs_is_named, N_ELEM(differing))
 {
     int n;
     const char *name = rad_params_differ(differing[_i].a, differing[_i].b, &n);
@@ -458,9 +443,8 @@ START_TEST(first_option_that_differs_is_named)
     ck_assert_int_eq(n, (int)strlen(differing[_i].name));
     ck_assert_mem_eq(name, differing[_i].name, (size_t)n);
 }
-END_TEST
 
-START_TEST(records_of_colours_know_no_bands)
+TEST(records_of_colours_know_no_bands)
 {
     struct rad_params p, q, r;
 
@@ -473,9 +457,8 @@ START_TEST(records_of_colours_know_no_bands)
     rad_params_of_records(&q, &r);
     ck_assert_int_eq(r.bands.n, 20);
 }
-END_TEST
 
-START_TEST(longest_text_fits)
+TEST(longest_text_fits)
 {
     struct rad_params p;
     char text[RAD_PARAMS_TEXT];
@@ -494,7 +477,6 @@ START_TEST(longest_text_fits)
     ck_assert_uint_lt(strlen(text), sizeof text - 1);
     ck_assert_ptr_nonnull(strstr(text, "--seed=18446744073709551615"));
 }
-END_TEST
 
 static void
 take_line(void *arg, const char *text)
@@ -510,7 +492,7 @@ take_line(void *arg, const char *text)
     ++*(int *)arg;
 }
 
-START_TEST(every_line_of_the_defaults_is_an_option)
+TEST(every_line_of_the_defaults_is_an_option)
 {
     struct rad_params p;
     int n = 0;
@@ -519,7 +501,6 @@ START_TEST(every_line_of_the_defaults_is_an_option)
     rad_params_print_defaults(&p, take_line, &n);
     ck_assert_int_gt(n, 30);
 }
-END_TEST
 
 /* radsubmit(1) as text. */
 static char *
@@ -546,7 +527,7 @@ look_up(void *arg, const char *text)
     ck_assert_msg(strstr(arg, item) != NULL, "no '%s' in radsubmit(1)", item);
 }
 
-START_TEST(every_option_is_in_the_manual)
+TEST(every_option_is_in_the_manual)
 {
     struct rad_params p;
     char *page = manual();
@@ -556,9 +537,8 @@ START_TEST(every_option_is_in_the_manual)
     rad_params_print_defaults(&p, look_up, page);
     free(page);
 }
-END_TEST
 
-START_TEST(reals_are_written_as_short_as_can_be)
+TEST(reals_are_written_as_short_as_can_be)
 {
     static const struct {
         double value;
@@ -581,7 +561,6 @@ START_TEST(reals_are_written_as_short_as_can_be)
     rad_format_float(buf, .1f);
     ck_assert_str_eq(buf, "0.1");
 }
-END_TEST
 
 /* A number as text: 1 to 20 digits, a point or none, an exponent or none. */
 static void
@@ -602,7 +581,7 @@ any_number(uint64_t key, char text[64])
         sprintf(text + n, "e%d", (int)(rad_mix64(key + 4) % 700) - 360);
 }
 
-START_TEST(reals_are_read_as_strtod_reads_them)
+TEST(reals_are_read_as_strtod_reads_them)
 {
     for (uint64_t i = 0; i < 100000; i++) {
         double truth, v = 0, taken = 0;
@@ -622,9 +601,8 @@ START_TEST(reals_are_read_as_strtod_reads_them)
             ck_assert_msg(strchr(text, 'e') || end - text >= 16, "%s", text);
     }
 }
-END_TEST
 
-START_TEST(text_that_is_no_number_is_not_read)
+TEST(text_that_is_no_number_is_not_read)
 {
     static const char *const text[] = { "",    ".",   "-",    "+-1",   "e5",
                                         "1e",  "1e+", "1e5.", "1.2.3", "0x10",
@@ -634,38 +612,4 @@ START_TEST(text_that_is_no_number_is_not_read)
     for (int i = 0; i < N_ELEM(text); i++)
         ck_assert_msg(!rad_read_real(text[i], &v), "%s", text[i]);
     ck_assert_ptr_null(rad_take_real("-. ", &v));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("params");
-
-    tcase_add_test(tc, defaults_are_those_of_rpict);
-    tcase_add_test(tc, reals_are_read_as_strtod_reads_them);
-    tcase_add_test(tc, text_that_is_no_number_is_not_read);
-    tcase_add_test(tc, options_set_their_field);
-    tcase_add_loop_test(tc, booleans_set_clear_and_toggle, 0, N_ELEM(switches));
-    tcase_add_test(tc, three_spectral_samples_are_taken);
-    tcase_add_loop_test(tc, bands_are_what_was_asked_for, 0, N_ELEM(bands));
-    tcase_add_loop_test(tc, bands_that_cannot_be_are_refused, 0,
-                        N_ELEM(misfits));
-    tcase_add_loop_test(tc, bad_options_are_named, 0, N_ELEM(bad));
-    tcase_add_test(tc, other_words_are_left_alone);
-    tcase_add_test(tc, sampling_stays_within_what_rpict_does);
-    tcase_add_test(tc, no_limit_of_photons_is_taken);
-    tcase_add_test(tc, a_negative_aspect_fills_the_picture);
-    tcase_add_test(tc, check_refuses_what_does_not_go_together);
-    tcase_add_test(tc, last_kind_of_output_colour_counts);
-    tcase_add_test(tc, names_of_the_last_kind_add_up);
-    tcase_add_test(tc, text_gives_the_same_parameters_bit_for_bit);
-    tcase_add_loop_test(tc, first_option_that_differs_is_named, 0,
-                        N_ELEM(differing));
-    tcase_add_test(tc, records_of_colours_know_no_bands);
-    tcase_add_test(tc, longest_text_fits);
-    tcase_add_test(tc, every_line_of_the_defaults_is_an_option);
-    tcase_add_test(tc, every_option_is_in_the_manual);
-    tcase_add_test(tc, reals_are_written_as_short_as_can_be);
-    return unit_run_case(tc);
 }

@@ -45,7 +45,7 @@ static const struct {
     { "a\xe4\xba", "a??" },             /* half a character */
 };
 
-START_TEST(text_of_others_is_made_safe)
+LOOP_TEST(text_of_others_is_made_safe, N_ELEM(cleaned))
 {
     char text[64];
 
@@ -53,7 +53,6 @@ START_TEST(text_of_others_is_made_safe)
     rad_text_clean(text);
     ck_assert_str_eq(text, cleaned[_i].clean);
 }
-END_TEST
 
 static const struct {
     const char *text, *trimmed;
@@ -65,7 +64,7 @@ static const struct {
     { "\xe4", "" },
 };
 
-START_TEST(cut_text_ends_with_a_whole_character)
+LOOP_TEST(cut_text_ends_with_a_whole_character, N_ELEM(trimmed))
 {
     char text[64];
 
@@ -73,7 +72,6 @@ START_TEST(cut_text_ends_with_a_whole_character)
     rad_text_trim(text);
     ck_assert_str_eq(text, trimmed[_i].trimmed);
 }
-END_TEST
 
 static const struct {
     const char *text;
@@ -89,15 +87,14 @@ static const struct {
     { "\xf0\x9f\x98\x80", 2, 1, 0 },
 };
 
-START_TEST(width_counts_columns)
+LOOP_TEST(width_counts_columns, N_ELEM(widths))
 {
     ck_assert_uint_eq(rad_text_width(widths[_i].text), widths[_i].width);
     ck_assert_uint_eq(rad_text_fit(widths[_i].text, widths[_i].columns),
                       widths[_i].bytes);
 }
-END_TEST
 
-START_TEST(json_says_the_same_without_what_a_terminal_obeys)
+TEST(json_says_the_same_without_what_a_terminal_obeys)
 {
     static const char text[] = "{\n \"é\": \"a\xc2\x9b\x7f\xe2\x80\xae"
                                "\xf3\xa0\x81\x81\"\n}";
@@ -107,9 +104,8 @@ START_TEST(json_says_the_same_without_what_a_terminal_obeys)
                           "\\udb40\\udc41\"\n}");
     free(out);
 }
-END_TEST
 
-START_TEST(message_is_cut_between_characters)
+TEST(message_is_cut_between_characters)
 {
     struct rad_error err = { 0 };
     char buf[600], name[400];
@@ -129,9 +125,8 @@ START_TEST(message_is_cut_between_characters)
         ck_assert_ptr_null(strchr(buf, '?'));
     }
 }
-END_TEST
 
-START_TEST(message_says_nothing_that_a_terminal_obeys)
+TEST(message_says_nothing_that_a_terminal_obeys)
 {
     struct rad_error err = { 0 };
     char buf[100], small[8];
@@ -144,20 +139,4 @@ START_TEST(message_says_nothing_that_a_terminal_obeys)
     ck_assert_str_eq(buf, "?.rad: no '?2J'");
     rad_error_format(&err, small, sizeof small);
     ck_assert_str_eq(small, "?.rad");
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("text");
-
-    tcase_add_loop_test(tc, text_of_others_is_made_safe, 0, N_ELEM(cleaned));
-    tcase_add_loop_test(tc, cut_text_ends_with_a_whole_character, 0,
-                        N_ELEM(trimmed));
-    tcase_add_loop_test(tc, width_counts_columns, 0, N_ELEM(widths));
-    tcase_add_test(tc, json_says_the_same_without_what_a_terminal_obeys);
-    tcase_add_test(tc, message_is_cut_between_characters);
-    tcase_add_test(tc, message_says_nothing_that_a_terminal_obeys);
-    return unit_run_case(tc);
 }

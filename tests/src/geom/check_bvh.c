@@ -123,7 +123,7 @@ random_ray(uint64_t key, double size, const double c[3])
     return s;
 }
 
-START_TEST(tree_finds_what_testing_all_finds)
+LOOP_TEST(tree_finds_what_testing_all_finds, 2 * N_ELEM(place))
 {
     uint32_t rays = _i % 2 == 0 ? 0 : 1;
     double size = place[_i / 2].size, off = place[_i / 2].offset;
@@ -160,7 +160,6 @@ START_TEST(tree_finds_what_testing_all_finds)
     rad_geom_free(geom);
     geom_scene_release(&g);
 }
-END_TEST
 
 /* Flat boxes of size 1 in a row, one after the other, or each far from the one
  * before. */
@@ -183,7 +182,7 @@ static const struct {
     { 7919, 800, false },  /* they would meet most groups */
 };
 
-START_TEST(a_tree_for_few_rays_is_small)
+LOOP_TEST(a_tree_for_few_rays_is_small, N_ELEM(rows))
 {
     struct rad_bvh_items items = { box_in_row, &rows[_i].stride, 10000, 0 };
     uint32_t order[10000];
@@ -196,7 +195,6 @@ START_TEST(a_tree_for_few_rays_is_small)
     rad_bvh_release(&few);
     rad_bvh_release(&all);
 }
-END_TEST
 
 /* One ray's answers by one kernel. */
 struct answer {
@@ -227,7 +225,7 @@ ask(struct rad_geom *geom, const struct rad_kernel *k,
     a->shadow = is_blocked(geom, span, RAD_VOID, &a->blocker, &a->counts);
 }
 
-START_TEST(kernels_give_the_same_bits)
+LOOP_TEST(kernels_give_the_same_bits, N_ELEM(place))
 {
     double size = place[_i].size, off = place[_i].offset;
     const double c[3] = { off, -off, off };
@@ -256,7 +254,6 @@ START_TEST(kernels_give_the_same_bits)
     rad_geom_free(geom);
     geom_scene_release(&g);
 }
-END_TEST
 
 /* Numbers of every size and kind, as a hostile scene may hold them. */
 static double
@@ -272,7 +269,7 @@ wild(uint64_t key, uint32_t dim)
                  (int)geom_rand(key, dim + 300, -80, 80));
 }
 
-START_TEST(wild_numbers_do_no_harm)
+LOOP_TEST(wild_numbers_do_no_harm, 4)
 {
     static const enum rad_otype types[] = { RAD_POLYGON, RAD_SPHERE, RAD_CONE,
                                             RAD_CYLINDER, RAD_RING };
@@ -316,11 +313,10 @@ START_TEST(wild_numbers_do_no_harm)
     rad_geom_free(geom);
     geom_scene_release(&g);
 }
-END_TEST
 
 /* Sizes in a geometric row make the deepest trees: each split takes few off.
  * And a thousand surfaces in one place, which no split can part. */
-START_TEST(lopsided_trees_are_walked_whole)
+LOOP_TEST(lopsided_trees_are_walked_whole, 2)
 {
     enum { N = 1000 };
     struct rad_geom_counts counts = { 0 };
@@ -350,7 +346,6 @@ START_TEST(lopsided_trees_are_walked_whole)
     rad_geom_free(geom);
     geom_scene_release(&g);
 }
-END_TEST
 
 static void
 name_kernels(void)
@@ -366,15 +361,6 @@ name_kernels(void)
 int
 main(void)
 {
-    TCase *tc = tcase_create("bvh");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, tree_finds_what_testing_all_finds, 0,
-                        2 * N_ELEM(place));
-    tcase_add_loop_test(tc, a_tree_for_few_rays_is_small, 0, N_ELEM(rows));
-    tcase_add_loop_test(tc, kernels_give_the_same_bits, 0, N_ELEM(place));
-    tcase_add_loop_test(tc, wild_numbers_do_no_harm, 0, 4);
-    tcase_add_loop_test(tc, lopsided_trees_are_walked_whole, 0, 2);
     name_kernels();
-    return unit_run_case(tc);
+    return unit_run();
 }

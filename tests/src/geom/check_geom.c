@@ -27,6 +27,8 @@ tear_down(void)
     geom_scene_release(&g);
 }
 
+FIXTURE(set_up, tear_down)
+
 /* clang-format off */
 /* One surface, one ray, and where it must be met. */
 static const struct {
@@ -107,7 +109,7 @@ static const struct {
 /* Each at the origin and as it is, and blown up with everything around it. */
 static const double scales[] = { 1e-6, 1, 1e9 };
 
-START_TEST(surface_is_met_where_geometry_says)
+LOOP_TEST(surface_is_met_where_geometry_says, N_ELEM(closed) * N_ELEM(scales))
 {
     int row = _i / N_ELEM(scales);
     double s = scales[_i % N_ELEM(scales)], reals[16];
@@ -139,9 +141,8 @@ START_TEST(surface_is_met_where_geometry_says)
         ck_assert(hit.err > 0 && hit.err < 1e-13 * s);
     }
 }
-END_TEST
 
-START_TEST(empty_scene_is_never_met)
+TEST(empty_scene_is_never_met)
 {
     struct rad_span span = geom_span(1, 2, 3, 1, 1, 1);
     double lo[3], hi[3];
@@ -156,7 +157,6 @@ START_TEST(empty_scene_is_never_met)
     for (int a = 0; a < 3; a++)
         ck_assert(lo[a] == 0 && hi[a] == 0);
 }
-END_TEST
 
 static void
 mesh_make(double size, const double c[3])
@@ -177,7 +177,7 @@ static const struct {
 } mesh_place[] = { { 1, 0 },    { 1e-6, 0 }, { 1e9, 0 },   { 1, 1e6 },
                    { 10, 1e9 }, { 1e-3, 1 }, { 1e9, 1e9 }, { .1, -3 } };
 
-START_TEST(closed_mesh_does_not_leak)
+LOOP_TEST(closed_mesh_does_not_leak, N_ELEM(mesh_place))
 {
     enum { N = 1000000 / N_ELEM(mesh_place) };
     double size = mesh_place[_i].size, off = mesh_place[_i].offset;
@@ -198,10 +198,9 @@ START_TEST(closed_mesh_does_not_leak)
     }
     ck_assert_int_eq(leaks, 0);
 }
-END_TEST
 
 /* A square with a square hole, joined by a seam as Radiance's scenes do. */
-START_TEST(seam_makes_a_hole)
+TEST(seam_makes_a_hole)
 {
     struct rad_hit hit;
     int met = 0;
@@ -227,7 +226,6 @@ START_TEST(seam_makes_a_hole)
     }
     ck_assert_int_gt(met, 2000);
 }
-END_TEST
 
 /* Surfaces without area, or made of numbers that are none: left out. */
 static const struct {
@@ -257,7 +255,7 @@ static const struct {
     { RAD_SOURCE, 4, { 0, 0, 1, 180 } },
 };
 
-START_TEST(degenerate_surface_is_left_out)
+LOOP_TEST(degenerate_surface_is_left_out, N_ELEM(degenerate))
 {
     struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
     struct rad_hit hit;
@@ -276,7 +274,6 @@ START_TEST(degenerate_surface_is_left_out)
     ck_assert(!rad_geom_hit_object(geom, 0, &s, &hit, &counts));
     ck_assert(rad_geom_hit_object(geom, 1, &s, &hit, &counts));
 }
-END_TEST
 
 /* Two coincident squares that both face +z unless turned; the ray comes from
  * above.  Which of the two is met, whatever their order in the scene. */
@@ -315,7 +312,7 @@ tilted_square(double v[12], double turn, double size, bool turned)
     }
 }
 
-START_TEST(coincident_faces_are_told_apart_by_rule)
+LOOP_TEST(coincident_faces_are_told_apart_by_rule, 2 * N_ELEM(tie))
 {
     int row = _i / 2, swap = _i % 2;
     struct rad_hit hit;
@@ -347,11 +344,10 @@ START_TEST(coincident_faces_are_told_apart_by_rule)
                       (int)i);
     }
 }
-END_TEST
 
 /* A floor and a wall whose edge each ray meets, exactly: both are hit, and the
  * one with the later modifier is seen, in front or from behind. */
-START_TEST(shared_edge_goes_to_the_later_modifier)
+LOOP_TEST(shared_edge_goes_to_the_later_modifier, 4)
 {
     static const double floor[2][12] = {
         { -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1 },
@@ -377,9 +373,8 @@ START_TEST(shared_edge_goes_to_the_later_modifier)
         ck_assert_int_eq(hit.obj, later ? 2 : 3);
     }
 }
-END_TEST
 
-START_TEST(nearby_faces_are_no_tie)
+TEST(nearby_faces_are_no_tie)
 {
     struct rad_span s = geom_span(.3, .4, 10, 0, 0, -1);
     struct rad_hit hit;
@@ -393,9 +388,8 @@ START_TEST(nearby_faces_are_no_tie)
     ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
     ck_assert_int_eq(hit.obj, 0);
 }
-END_TEST
 
-START_TEST(span_with_nan_meets_nothing)
+TEST(span_with_nan_meets_nothing)
 {
     static const double bad[] = { NAN, INFINITY, -INFINITY };
     struct rad_hit hit;
@@ -420,9 +414,8 @@ START_TEST(span_with_nan_meets_nothing)
     s.tmin = NAN;
     ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
 }
-END_TEST
 
-START_TEST(span_ends_where_it_says)
+TEST(span_ends_where_it_says)
 {
     struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
     struct rad_hit hit;
@@ -442,9 +435,8 @@ START_TEST(span_ends_where_it_says)
     s.tmin = 6;
     ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
 }
-END_TEST
 
-START_TEST(blocker_is_remembered_and_skipped)
+TEST(blocker_is_remembered_and_skipped)
 {
     struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
     int32_t blocker = RAD_VOID;
@@ -473,7 +465,6 @@ START_TEST(blocker_is_remembered_and_skipped)
     s.tmax = 4;
     ck_assert(!is_blocked(geom, &s, RAD_VOID, &blocker, &counts));
 }
-END_TEST
 
 /* Distance from p to the plane of the first three vertices. */
 static long double
@@ -611,7 +602,7 @@ cone_point(uint64_t key, const double a[8], double margin, double p[3],
 }
 
 /* What is known of a ray between the ends must not hide a hit. */
-START_TEST(low_cone_is_met_where_it_is)
+LOOP_TEST(low_cone_is_met_where_it_is, N_ELEM(low_cone))
 {
     static const double dists[] = { 1e-3, .3, 10, 1e7 };
     const double *a = low_cone[_i];
@@ -645,9 +636,8 @@ START_TEST(low_cone_is_met_where_it_is)
     }
     ck_assert_int_gt(met, 20000);
 }
-END_TEST
 
-START_TEST(hit_is_within_its_bound_and_is_left_behind)
+LOOP_TEST(hit_is_within_its_bound_and_is_left_behind, N_ELEM(leaving))
 {
     static const double dists[] = { 1e-3, 1, 1e3, 1e7 };
     const double *a = leaving[_i].reals;
@@ -689,32 +679,4 @@ START_TEST(hit_is_within_its_bound_and_is_left_behind)
                       "met again after %g", again.t);
     }
     ck_assert_int_gt(met, 300);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("geom");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_loop_test(tc, surface_is_met_where_geometry_says, 0,
-                        N_ELEM(closed) * N_ELEM(scales));
-    tcase_add_test(tc, empty_scene_is_never_met);
-    tcase_add_loop_test(tc, closed_mesh_does_not_leak, 0, N_ELEM(mesh_place));
-    tcase_add_test(tc, seam_makes_a_hole);
-    tcase_add_loop_test(tc, degenerate_surface_is_left_out, 0,
-                        N_ELEM(degenerate));
-    tcase_add_loop_test(tc, coincident_faces_are_told_apart_by_rule, 0,
-                        2 * N_ELEM(tie));
-    tcase_add_loop_test(tc, shared_edge_goes_to_the_later_modifier, 0, 4);
-    tcase_add_test(tc, nearby_faces_are_no_tie);
-    tcase_add_test(tc, span_with_nan_meets_nothing);
-    tcase_add_test(tc, span_ends_where_it_says);
-    tcase_add_test(tc, blocker_is_remembered_and_skipped);
-    tcase_add_loop_test(tc, hit_is_within_its_bound_and_is_left_behind, 0,
-                        N_ELEM(leaving));
-    tcase_add_loop_test(tc, low_cone_is_met_where_it_is, 0, N_ELEM(low_cone));
-    return unit_run_case(tc);
 }

@@ -15,7 +15,7 @@ span_through_cube(uint64_t key)
                      rad_rand(key, 5) - .5);
 }
 
-START_TEST(sight_finds_the_first_veil)
+TEST(sight_finds_the_first_veil)
 {
     struct rad_geom_counts counts = { 0 };
     struct geom_scene g;
@@ -73,7 +73,6 @@ START_TEST(sight_finds_the_first_veil)
     rad_geom_free(geom);
     geom_scene_release(&g);
 }
-END_TEST
 
 /* Surfaces of every family about the origin, most of them passed, some of them
  * twice. */
@@ -134,7 +133,7 @@ follow(const struct rad_geom *geom, const struct rad_line *line,
     }
 }
 
-START_TEST(line_holds_what_walks_meet)
+TEST(line_holds_what_walks_meet)
 {
     struct rad_geom_counts counts = { 0 };
     int known = 0, unknown = 0, sights = 0;
@@ -169,10 +168,9 @@ START_TEST(line_holds_what_walks_meet)
     rad_geom_free(geom);
     geom_scene_release(&g);
 }
-END_TEST
 
 /* A shadow ray's line ends with what it is aimed at, once. */
-START_TEST(line_of_sight_leads_to_the_target)
+TEST(line_of_sight_leads_to_the_target)
 {
     const double pane[9] = { -9, -9, 0, 9, -9, 0, 0, 9, 0 };
     const double lamp[4] = { 0, 0, 3, 1 };
@@ -200,16 +198,4 @@ START_TEST(line_of_sight_leads_to_the_target)
         RAD_BEYOND_UNKNOWN);
     rad_geom_free(geom);
     geom_scene_release(&g);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("line");
-
-    tcase_add_test(tc, sight_finds_the_first_veil);
-    tcase_add_test(tc, line_holds_what_walks_meet);
-    tcase_add_test(tc, line_of_sight_leads_to_the_target);
-    return unit_run_case(tc);
 }

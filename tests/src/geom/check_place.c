@@ -22,6 +22,8 @@ tear_down(void)
     parts_release(&parts);
 }
 
+FIXTURE(NULL, tear_down)
+
 /* One object at the scene's place, moved there by an instance. */
 static const struct {
     const char *what;
@@ -45,7 +47,7 @@ static const struct {
 };
 
 /* Rays meet the copy where they meet the thing itself. */
-START_TEST(instance_is_the_moved_thing)
+LOOP_TEST(instance_is_the_moved_thing, N_ELEM(same))
 {
     struct world a = { 0 }, b = { 0 };
     char text[256];
@@ -86,11 +88,10 @@ START_TEST(instance_is_the_moved_thing)
     world_close(&a);
     world_close(&b);
 }
-END_TEST
 
 /* A flat face keeps the normal that its file gives it, moved with it: mirroring
  * does not turn it over as mirrored vertices would. */
-START_TEST(mirrored_normals_are_mirrored)
+TEST(mirrored_normals_are_mirrored)
 {
     struct rad_span s = { { 1, 1, 5 }, { 0, 0, -1 }, 0, INFINITY };
     struct rad_geom_counts c = { 0 };
@@ -109,11 +110,10 @@ START_TEST(mirrored_normals_are_mirrored)
     ck_assert(rad_geom_nearest(w.job->geom, &s, &hit, &c));
     ck_assert_double_eq(hit.n[2], -1);
 }
-END_TEST
 
 /* Forty levels of two copies, each half as large: 2^40 balls, of which one is
  * met; the number of its copy gives its transform. */
-START_TEST(nested_copies_are_told_apart)
+TEST(nested_copies_are_told_apart)
 {
     struct rad_geom_counts c = { 0 };
     struct rad_span s = { { 0, 0, 4 }, { 0, 0, -1 }, 0, INFINITY };
@@ -143,7 +143,6 @@ START_TEST(nested_copies_are_told_apart)
     ck_assert_double_eq_tol(x[0], at, 1e-15);
     ck_assert_double_eq_tol(x[2], 0x1p-40, 1e-20);
 }
-END_TEST
 
 /* What is seen of a ball under a small lamp high above, reflectance .5 or .2 or
  * none. */
@@ -168,7 +167,7 @@ static const struct {
       1 },
 };
 
-START_TEST(modifier_replaces_theirs)
+LOOP_TEST(modifier_replaces_theirs, N_ELEM(materials))
 {
     static const char lamp[] = "void light l 0 0 3 1e4 1e4 1e4\n"
                                "l sphere lamp 0 0 4 0 0 100 .5\n";
@@ -190,7 +189,6 @@ START_TEST(modifier_replaces_theirs)
     /* one file, one reading, however many copies (when it was made, once) */
     ck_assert_int_le(parts.list[0].reads, 2);
 }
-END_TEST
 
 /* Light on a floor at the origin, under a lamp, with an instance between. */
 static const struct {
@@ -214,7 +212,7 @@ static const struct {
     { "no surface", "void plastic p 0 0 5 1 1 1 0 0\n", "void", 1, 1 },
 };
 
-START_TEST(shadows_of_instances_are_their_materials)
+LOOP_TEST(shadows_of_instances_are_their_materials, N_ELEM(shades))
 {
     static const char room[] =
         "void light l 0 0 3 1e4 1e4 1e4\nl sphere lamp 0 0 4 0 0 100 .5\n" MAT
@@ -236,14 +234,13 @@ START_TEST(shadows_of_instances_are_their_materials)
         ck_assert_double_le(seen, (shades[_i].most + 1e-6) * alone);
     }
 }
-END_TEST
 
 /* A light in an instance is seen, and lights nothing; nor does what the
  * instance gives its own material to. */
 static const char *const copied_lights[] = { "void",
                                              "void light o 0 0 3 7 7 7\no" };
 
-START_TEST(lights_within_are_no_sources)
+LOOP_TEST(lights_within_are_no_sources, N_ELEM(copied_lights))
 {
     char scene[200];
 
@@ -259,11 +256,10 @@ START_TEST(lights_within_are_no_sources)
     ck_assert_double_eq(world_see(&w, 9, 0, 12, -1, 0, 0).r, 7);
     ck_assert_double_eq(world_see(&w, 9, 0, 5, -1, 0, -1).r, 0);
 }
-END_TEST
 
 /* A pattern's coordinates are those of the file: it moves with the instance,
  * and not when the instance's own modifier has it. */
-START_TEST(patterns_move_along)
+TEST(patterns_move_along)
 {
     static const char half[] =
         "void brightfunc f 2 if(Px,1,0) . 0 0\nf glow g 0 0 4 1 1 1 0\n";
@@ -282,11 +278,10 @@ START_TEST(patterns_move_along)
     ck_assert_double_eq(world_see(&w, 3, 0, 9, 0, 0, -1).r, 1);
     ck_assert_double_eq(world_see(&w, -3, 0, 9, 0, 0, -1).r, 0);
 }
-END_TEST
 
 /* A floor that coincides with one inside an instance: the tie rule decides, the
  * later modifier wins, wherever a ray comes from. */
-START_TEST(ties_cross_the_border)
+TEST(ties_cross_the_border)
 {
     struct rad_geom_counts c = { 0 };
 
@@ -310,7 +305,6 @@ START_TEST(ties_cross_the_border)
             ck_assert_str_eq(w.scene->objects[hit.obj].name, "in");
     }
 }
-END_TEST
 
 /* Ten thousand rays from the surface of a large, far instance: none meets it
  * again where it starts, and none falls through. */
@@ -325,7 +319,7 @@ static const struct {
     { "turned a thousand times", "7 b.oct -i 1000 -rx 7 -ry 3", 1, 0 },
 };
 
-START_TEST(surfaces_in_copies_hold)
+LOOP_TEST(surfaces_in_copies_hold, N_ELEM(places))
 {
     struct rad_geom_counts c = { 0 };
     double scale = places[_i].scale;
@@ -356,7 +350,6 @@ START_TEST(surfaces_in_copies_hold)
                       next.t > .3 * scale * -rad_dot(out, hit.n));
     }
 }
-END_TEST
 
 /* --- what cannot be ------------------------------------------------------- */
 
@@ -410,7 +403,7 @@ add_triangle(struct parts *p, const char *name, const char *mods, int modifier)
     parts_add_mesh(p, name, org, 16, v, 3, &t, 1, mods);
 }
 
-START_TEST(what_cannot_be_is_refused)
+LOOP_TEST(what_cannot_be_is_refused, N_ELEM(bad))
 {
     char text[100], name[24], message[600];
 
@@ -427,11 +420,10 @@ START_TEST(what_cannot_be_is_refused)
     rad_error_format(&w.err, message, sizeof message);
     ck_assert_ptr_nonnull(strstr(message, bad[_i].message));
 }
-END_TEST
 
 /* Sixteen copies of sixteen, sixteen times over, are 2^64, besides those with
  * fewer levels. */
-START_TEST(copies_beyond_number_are_refused)
+TEST(copies_beyond_number_are_refused)
 {
     char name[16] = "0.oct", text[2000];
 
@@ -452,7 +444,6 @@ START_TEST(copies_beyond_number_are_refused)
         world_try(&w, "void instance i 1 16.oct 0 0\n", "", &files), RAD_EDATA);
     ck_assert_ptr_nonnull(strstr(w.err.what, "2^64"));
 }
-END_TEST
 
 /* --- meshes ----------------------------------------------------------------
  */
@@ -466,7 +457,7 @@ hit_triangle(struct rad_ray *r, double x, double y)
     ck_assert_int_ne(r->hit.obj, RAD_VOID);
 }
 
-START_TEST(mesh_normals_and_coordinates_lie_between_the_corners)
+TEST(mesh_normals_and_coordinates_lie_between_the_corners)
 {
     struct rad_ray r;
     double n[3];
@@ -485,10 +476,9 @@ START_TEST(mesh_normals_and_coordinates_lie_between_the_corners)
     /* its own material, as the mesh has none */
     ck_assert_str_eq(w.scene->objects[r.hit.obj].name, RAD_MESH_FACE);
 }
-END_TEST
 
 /* Turned by 90 degrees about z, x goes to y; mirrored, -x. */
-START_TEST(mesh_normals_turn_with_it)
+TEST(mesh_normals_turn_with_it)
 {
     struct rad_ray r;
     double n[3];
@@ -507,7 +497,6 @@ START_TEST(mesh_normals_turn_with_it)
     ck_assert_double_eq_tol(n[0], -.3 / hypot(.3, .8), 2e-4);
     ck_assert_double_eq_tol(n[2], .8 / hypot(.3, .8), 2e-4);
 }
-END_TEST
 
 static const struct {
     const char *what;
@@ -535,7 +524,7 @@ static const struct {
       5 },
 };
 
-START_TEST(mesh_has_its_material_or_ours)
+LOOP_TEST(mesh_has_its_material_or_ours, N_ELEM(surfaces))
 {
     struct rad_ray r;
 
@@ -547,11 +536,10 @@ START_TEST(mesh_has_its_material_or_ours)
     hit_triangle(&r, 1, 1);
     ck_assert_double_eq_tol(r.L.r, surfaces[_i].L, 1e-5);
 }
-END_TEST
 
 /* A closed octahedron of a mesh: no ray from within gets out, also along its
  * edges and through its corners, in any position. */
-START_TEST(closed_mesh_does_not_leak)
+LOOP_TEST(closed_mesh_does_not_leak, 3)
 {
     static const struct parts_vertex v[] = {
         { { 1, 0, 0 }, { 0 }, { 0 } }, { { -1, 0, 0 }, { 0 }, { 0 } },
@@ -593,12 +581,11 @@ START_TEST(closed_mesh_does_not_leak)
         ck_assert(is_blocked(w.job->geom, &s, RAD_VOID, NULL, &c));
     }
 }
-END_TEST
 
 /* A ball that Radiance's obj2mesh made, of 308 quadrangles and triangles in two
  * patches, with normals that point from its middle and u, v that are its height
  * and x, shifted: whatever joins patches must fit. */
-START_TEST(recorded_mesh_is_read)
+TEST(recorded_mesh_is_read)
 {
     const char *top = getenv("top_srcdir");
     char path[512];
@@ -627,9 +614,8 @@ START_TEST(recorded_mesh_is_read)
         ck_assert_double_eq_tol(r.hit.uv[1], (r.hit.p[0] + 1.1) / 2.2, 1e-4);
     }
 }
-END_TEST
 
-START_TEST(normal_codes_are_accurate)
+TEST(normal_codes_are_accurate)
 {
     for (uint64_t k = 0; k < 2000; k++) {
         double n[3], back[3];
@@ -641,10 +627,9 @@ START_TEST(normal_codes_are_accurate)
         ck_assert_double_lt(acos(fmin(rad_dot(n, back), 1)), 2e-4);
     }
 }
-END_TEST
 
 /* Every beginning of a mesh is refused with the place where it ends. */
-START_TEST(truncated_mesh_is_refused)
+TEST(truncated_mesh_is_refused)
 {
     add_triangle(&parts, "q.rtm", MAT, 0);
     for (size_t len = 0; len < parts.list[0].file.len; len++) {
@@ -660,34 +645,4 @@ START_TEST(truncated_mesh_is_refused)
         rad_mesh_free(part.mesh);
         rad_scene_free(s);
     }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("place");
-
-    tcase_add_checked_fixture(tc, NULL, tear_down);
-    tcase_add_loop_test(tc, instance_is_the_moved_thing, 0, N_ELEM(same));
-    tcase_add_test(tc, mirrored_normals_are_mirrored);
-    tcase_add_test(tc, nested_copies_are_told_apart);
-    tcase_add_loop_test(tc, modifier_replaces_theirs, 0, N_ELEM(materials));
-    tcase_add_loop_test(tc, shadows_of_instances_are_their_materials, 0,
-                        N_ELEM(shades));
-    tcase_add_loop_test(tc, lights_within_are_no_sources, 0,
-                        N_ELEM(copied_lights));
-    tcase_add_test(tc, patterns_move_along);
-    tcase_add_test(tc, ties_cross_the_border);
-    tcase_add_loop_test(tc, surfaces_in_copies_hold, 0, N_ELEM(places));
-    tcase_add_loop_test(tc, what_cannot_be_is_refused, 0, N_ELEM(bad));
-    tcase_add_test(tc, copies_beyond_number_are_refused);
-    tcase_add_test(tc, mesh_normals_and_coordinates_lie_between_the_corners);
-    tcase_add_test(tc, mesh_normals_turn_with_it);
-    tcase_add_loop_test(tc, mesh_has_its_material_or_ours, 0, N_ELEM(surfaces));
-    tcase_add_loop_test(tc, closed_mesh_does_not_leak, 0, 3);
-    tcase_add_test(tc, recorded_mesh_is_read);
-    tcase_add_test(tc, normal_codes_are_accurate);
-    tcase_add_test(tc, truncated_mesh_is_refused);
-    return unit_run_case(tc);
 }

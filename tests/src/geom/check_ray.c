@@ -42,7 +42,9 @@ static const struct {
     { "-lw .1 -lr 0", RAD_RAY_REFLECTED, 1, .2f, 500, true },
 };
 
-START_TEST(limits_end_rays)
+FIXTURE(NULL, world_tear_down)
+
+LOOP_TEST(limits_end_rays, N_ELEM(limit))
 {
     struct rad_rgb coef = rad_rgb(0, limit[_i].coef, limit[_i].coef / 2);
     struct rad_ray parent, r;
@@ -59,11 +61,10 @@ START_TEST(limits_end_rays)
                          limit[_i].level + !!(limit[_i].kind & RAD_RAY_REFL));
     }
 }
-END_TEST
 
 /* What dies and what is raised for it must balance: the mean coefficient is
  * what it was.  100000 draws: four standard errors are 1.2 %. */
-START_TEST(roulette_keeps_the_mean)
+TEST(roulette_keeps_the_mean)
 {
     enum { N = 100000 };
     struct rad_rgb coef = rad_rgb(.06f, .03f, 0);
@@ -85,9 +86,8 @@ START_TEST(roulette_keeps_the_mean)
     ck_assert_double_eq_tol(sum / N, .06, .012 * .06 * 2);
     ck_assert_double_eq_tol((double)lived / N, .2, .012);
 }
-END_TEST
 
-START_TEST(aft_plane_hides_what_lies_beyond)
+TEST(aft_plane_hides_what_lies_beyond)
 {
     struct rad_ray r;
 
@@ -109,7 +109,6 @@ START_TEST(aft_plane_hides_what_lies_beyond)
     rad_ray_trace(&w.ctx, &r);
     ck_assert_double_eq(r.L.r, 0);
 }
-END_TEST
 
 /* Distances that -z gives: through a pane, in a mirror, nothing. */
 static const struct {
@@ -126,7 +125,7 @@ static const struct {
     { "illum m 0 0 3 1 1 1", 5 },
 };
 
-START_TEST(distance_is_of_what_is_seen)
+LOOP_TEST(distance_is_of_what_is_seen, N_ELEM(depth))
 {
     char text[1024];
     struct rad_ray r;
@@ -143,7 +142,6 @@ START_TEST(distance_is_of_what_is_seen)
     rad_ray_trace(&w.ctx, &r);
     ck_assert_double_eq(rad_ray_distance(&r), 1e10);
 }
-END_TEST
 
 /* n square sheets of material m, one above the other. */
 static char *
@@ -162,7 +160,7 @@ sheets(const char *material, int n)
     return text;
 }
 
-START_TEST(many_layers_pass_and_endless_ones_end)
+LOOP_TEST(many_layers_pass_and_endless_ones_end, 3)
 {
     static const int n[] = { 100, RAD_MAX_DEPTH - 10, 20000 };
     char *text = sheets("void illum m 0 0 3 0 0 0", n[_i]);
@@ -172,10 +170,9 @@ START_TEST(many_layers_pass_and_endless_ones_end)
                             n[_i] < RAD_MAX_DEPTH, 1e-6);
     free(text);
 }
-END_TEST
 
 /* Two facing mirrors that lose nothing: only the limits end it. */
-START_TEST(perfect_mirrors_end)
+TEST(perfect_mirrors_end)
 {
     world_open(&w,
                "void metal m 0 0 5 1 1 1 1 0 m" SQUARE
@@ -184,7 +181,6 @@ START_TEST(perfect_mirrors_end)
     ck_assert_double_eq(world_see(&w, 0, 0, 1, 0, 0, -1).r, 0);
     ck_assert_uint_eq(w.ctx.counts.rays, RAD_MAX_DEPTH + 1);
 }
-END_TEST
 
 /* An infinite radiance is black, a negative channel cut off; both count. */
 static const struct {
@@ -213,7 +209,7 @@ empty_font(void *arg, const char *name, size_t *len, struct rad_error *err)
     return calloc(1, 1);
 }
 
-START_TEST(unsound_radiance_is_cut_off_and_counted)
+LOOP_TEST(unsound_radiance_is_cut_off_and_counted, N_ELEM(unsound))
 {
     static const struct rad_files files = { .read = empty_font, .arg = NULL };
     char text[512];
@@ -226,11 +222,10 @@ START_TEST(unsound_radiance_is_cut_off_and_counted)
               c.b == unsound[_i].L.b);
     ck_assert_uint_eq(w.ctx.counts.unsound_rays, 1);
 }
-END_TEST
 
 /* What is negative takes from the light that another surface sends as well;
  * only of what the eye gets it is cut off. */
-START_TEST(negative_radiance_darkens_what_reflects_it)
+TEST(negative_radiance_darkens_what_reflects_it)
 {
     static const struct rad_files files = { .read = empty_font, .arg = NULL };
     static const char above[] =
@@ -251,11 +246,10 @@ START_TEST(negative_radiance_darkens_what_reflects_it)
     ck_assert_float_eq(c.r, 0);
     ck_assert_uint_eq(w.ctx.counts.unsound_rays, 1);
 }
-END_TEST
 
 /* Light that goes through what makes one channel negative still has the others,
  * though the eye finds it dark. */
-START_TEST(negative_shadow_keeps_other_channels)
+TEST(negative_shadow_keeps_other_channels)
 {
     static const struct rad_files files = { .read = empty_font, .arg = NULL };
     char text[512];
@@ -275,10 +269,9 @@ START_TEST(negative_shadow_keeps_other_channels)
     ck_assert_float_eq(c.g, 0);
     ck_assert_float_eq_tol(c.b, c.r * .5f / .7f, 1e-4f * c.r);
 }
-END_TEST
 
 /* A pixel is a function: whatever was traced before, and in which context. */
-START_TEST(ray_does_not_depend_on_those_before_it)
+TEST(ray_does_not_depend_on_those_before_it)
 {
     static const char text[] =
         SKY "void metal m 0 0 5 .9 .8 .7 .8 .3 m" SQUARE
@@ -310,9 +303,8 @@ START_TEST(ray_does_not_depend_on_those_before_it)
     ck_assert_int_gt(differ, 25);
     rad_ctx_release(&fresh);
 }
-END_TEST
 
-START_TEST(normal_never_turns_away_from_the_ray)
+TEST(normal_never_turns_away_from_the_ray)
 {
     struct rad_ray r = { .dir = { 0, .6, -.8 }, .n = { 0, 0, 1 } };
     double norm[3], cos_n;
@@ -329,27 +321,4 @@ START_TEST(normal_never_turns_away_from_the_ray)
     r.pert[0] = r.pert[1] = 0;
     r.pert[2] = -1; /* nothing left of it: the surface's own */
     ck_assert_double_eq(rad_ray_normal(&r, norm), .8);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("ray");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_set_timeout(tc, 600); /* for busy machines */
-    tcase_add_loop_test(tc, limits_end_rays, 0, N_ELEM(limit));
-    tcase_add_test(tc, roulette_keeps_the_mean);
-    tcase_add_test(tc, aft_plane_hides_what_lies_beyond);
-    tcase_add_loop_test(tc, distance_is_of_what_is_seen, 0, N_ELEM(depth));
-    tcase_add_loop_test(tc, many_layers_pass_and_endless_ones_end, 0, 3);
-    tcase_add_test(tc, perfect_mirrors_end);
-    tcase_add_test(tc, negative_radiance_darkens_what_reflects_it);
-    tcase_add_test(tc, negative_shadow_keeps_other_channels);
-    tcase_add_loop_test(tc, unsound_radiance_is_cut_off_and_counted, 0,
-                        N_ELEM(unsound));
-    tcase_add_test(tc, ray_does_not_depend_on_those_before_it);
-    tcase_add_test(tc, normal_never_turns_away_from_the_ray);
-    return unit_run_case(tc);
 }

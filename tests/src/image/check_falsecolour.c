@@ -68,7 +68,7 @@ static const struct {
     { "auto,auto", 0, 0, 0, 0, 0 },
 };
 
-START_TEST(scales_are_read_whole)
+LOOP_TEST(scales_are_read_whole, N_ELEM(scales))
 {
     struct rad_error err = { 0 };
     struct rad_false_scale s;
@@ -83,7 +83,6 @@ START_TEST(scales_are_read_whole)
     ck_assert_int_eq(s.contour, scales[_i].contour);
     ck_assert_str_eq(s.label, scales[_i].label);
 }
-END_TEST
 
 static const struct {
     double most, top;
@@ -91,7 +90,7 @@ static const struct {
              { 4.5, 5 },   { 5.5, 10 },   { 120, 200 },     { 1e7, 2e7 } };
 
 /* A few lamps do not decide about the end of a scale. */
-START_TEST(a_scale_ends_at_a_round_number)
+LOOP_TEST(a_scale_ends_at_a_round_number, N_ELEM(tops))
 {
     double v[4000];
     struct rad_false_scale s;
@@ -110,9 +109,8 @@ START_TEST(a_scale_ends_at_a_round_number)
     ck_assert_str_eq(s.label, "cd/m2");
     rad_picture_release(&p);
 }
-END_TEST
 
-START_TEST(a_black_picture_decides_nothing)
+TEST(a_black_picture_decides_nothing)
 {
     static const double none[6];
     struct rad_picture p = picture(3, 2, none);
@@ -128,9 +126,8 @@ START_TEST(a_black_picture_decides_nothing)
     free(m.rgb);
     rad_picture_release(&p);
 }
-END_TEST
 
-START_TEST(brighter_is_lighter_up_to_the_end)
+TEST(brighter_is_lighter_up_to_the_end)
 {
     double v[64];
     struct rad_false_scale s;
@@ -150,10 +147,9 @@ START_TEST(brighter_is_lighter_up_to_the_end)
     free(m.rgb);
     rad_picture_release(&p);
 }
-END_TEST
 
 /* Where falsecolor -s 80 -n 8 -cp has its steps: at 10, 20, ... */
-START_TEST(steps_begin_at_divisions)
+TEST(steps_begin_at_divisions)
 {
     static const double v[] = { 0, 9.99, 10.01, 19.99, 20.01, 79.9, 80.1, 1e6 };
     static const int step[] = { 0, 0, 1, 1, 2, 7, 7, 7 };
@@ -170,10 +166,9 @@ START_TEST(steps_begin_at_divisions)
     free(m.rgb);
     rad_picture_release(&p);
 }
-END_TEST
 
 /* With log=2 and n=4 of 100: contours at 100, 31.6, 10, 3.16; none at 1. */
-START_TEST(contours_part_neighbours)
+TEST(contours_part_neighbours)
 {
     static const double v[] = { .5, .9, 1.1, 1.2, 3, 3, 3.3, 3.3,
                                 9,  9,  11,  11,  90, 90, 110, 110 };
@@ -199,9 +194,8 @@ START_TEST(contours_part_neighbours)
     free(m.rgb);
     rad_picture_release(&p);
 }
-END_TEST
 
-START_TEST(bands_are_a_fifth_of_a_division_wide)
+TEST(bands_are_a_fifth_of_a_division_wide)
 {
     static const double v[] = { 8.5, 9.2, 10, 10.8, 11.2, 0, .5 };
     static const bool band[] = { false, true, true, true, false, false, false };
@@ -221,7 +215,6 @@ START_TEST(bands_are_a_fifth_of_a_division_wide)
     free(m.rgb);
     rad_picture_release(&p);
 }
-END_TEST
 
 static const int sizes[][2] = { { 1, 1 },     { 8, 8 },   { 3000, 2 },
                                 { 2, 3000 },  { 40, 90 }, { 640, 480 },
@@ -229,7 +222,7 @@ static const int sizes[][2] = { { 1, 1 },     { 8, 8 },   { 3000, 2 },
 
 /* The legend is beside the picture, whatever that is, and is inside the image:
  * its last columns and rows are black. */
-START_TEST(legends_fit_any_picture)
+LOOP_TEST(legends_fit_any_picture, N_ELEM(sizes))
 {
     int w = sizes[_i][0], h = sizes[_i][1];
     double *v = calloc((size_t)w * (size_t)h, sizeof *v);
@@ -262,9 +255,8 @@ START_TEST(legends_fit_any_picture)
     free(v);
     rad_picture_release(&p);
 }
-END_TEST
 
-START_TEST(text_is_of_dots)
+TEST(text_is_of_dots)
 {
     static const uint8_t white[3] = { 255, 255, 255 };
     /* T: a bar above, a stem; twice as large */
@@ -278,22 +270,4 @@ START_TEST(text_is_of_dots)
                              y < 2 ? x < 10 : x == 4 || x == 5);
     free(m.rgb);
     ck_assert_int_eq(rad_image_text_width("cd/m2", 2), 60);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("falsecolour");
-
-    tcase_add_loop_test(tc, scales_are_read_whole, 0, N_ELEM(scales));
-    tcase_add_loop_test(tc, a_scale_ends_at_a_round_number, 0, N_ELEM(tops));
-    tcase_add_test(tc, a_black_picture_decides_nothing);
-    tcase_add_test(tc, brighter_is_lighter_up_to_the_end);
-    tcase_add_test(tc, steps_begin_at_divisions);
-    tcase_add_test(tc, contours_part_neighbours);
-    tcase_add_test(tc, bands_are_a_fifth_of_a_division_wide);
-    tcase_add_loop_test(tc, legends_fit_any_picture, 0, N_ELEM(sizes));
-    tcase_add_test(tc, text_is_of_dots);
-    return unit_run_case(tc);
 }

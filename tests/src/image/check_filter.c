@@ -18,12 +18,11 @@ static const struct {
     { 0, 1, 0 },      { 7, 1, 7 },     { 65535, 8, 8192 },
 };
 
-START_TEST(sides_are_rounded)
+LOOP_TEST(sides_are_rounded, N_ELEM(sides))
 {
     ck_assert_int_eq(rad_filter_side(sides[_i].side, sides[_i].n),
                      sides[_i].expected);
 }
-END_TEST
 
 /* Samples of all magnitudes, four bytes each; to be freed. */
 static uint8_t *
@@ -119,7 +118,7 @@ static const struct rad_filter_shape shapes[] = {
     { 64, 1, 2, 0, false },   { 3, 3, 2, 0, true },
 };
 
-START_TEST(pixels_are_those_of_the_formula)
+LOOP_TEST(pixels_are_those_of_the_formula, N_ELEM(shapes))
 {
     const struct rad_filter_shape *s = &shapes[_i];
     int columns = rad_filter_side(s->width, s->oversample), most;
@@ -142,7 +141,6 @@ START_TEST(pixels_are_those_of_the_formula)
     free(rgbe);
     free(out);
 }
-END_TEST
 
 static void
 set(uint8_t *rgbe, float L)
@@ -176,7 +174,7 @@ sum(const struct rad_rgb *row, int n)
 /* Filtering keeps the light: what one sample of N by N adds is spread, a few
  * percent more or less by its place in a pixel, and no more nor less over all
  * places. */
-START_TEST(light_is_kept)
+TEST(light_is_kept)
 {
     static const struct rad_filter_shape s = { 120, 120, 3, 0, false };
     double all = 0, share = 10000. / 9;
@@ -194,7 +192,6 @@ START_TEST(light_is_kept)
     }
     ck_assert_double_eq_tol(all, share, .005 * share);
 }
-END_TEST
 
 /* A spike, by where it is, counts as factor times the mean of those about it,
  * and no more than it has. */
@@ -207,7 +204,7 @@ static const struct {
     { 39, 20, 1000, 8, 8 }, { 20, 39, 1000, 1, 1 }, { 39, 39, 1000, 2.5, 2.5 },
 };
 
-START_TEST(a_spike_counts_as_its_surroundings_allow)
+LOOP_TEST(a_spike_counts_as_its_surroundings_allow, N_ELEM(spikes))
 {
     struct rad_filter_shape s = { 40, 40, 2, spikes[_i].clamp, false };
     struct rad_filter_shape off = { 40, 40, 2, 0, false };
@@ -232,10 +229,9 @@ START_TEST(a_spike_counts_as_its_surroundings_allow)
     free(expected);
     free(base);
 }
-END_TEST
 
 /* Of what is bright two ways on nothing is taken. */
-START_TEST(lines_and_edges_are_no_spikes)
+TEST(lines_and_edges_are_no_spikes)
 {
     struct rad_filter_shape s = { 60, 60, 3, 4, false }, off = s;
     uint8_t *rgbe = spike(60, 60, 0, 0, 1);
@@ -260,10 +256,9 @@ START_TEST(lines_and_edges_are_no_spikes)
     free(out);
     free(expected);
 }
-END_TEST
 
 /* Its colour stays; what is black about a sample leaves nothing of it. */
-START_TEST(what_is_clamped_keeps_its_colour)
+TEST(what_is_clamped_keeps_its_colour)
 {
     struct rad_filter_shape s = { 40, 40, 2, 3, false };
     uint8_t *rgbe = calloc(1600, 4);
@@ -288,10 +283,9 @@ START_TEST(what_is_clamped_keeps_its_colour)
     free(rgbe);
     free(out);
 }
-END_TEST
 
 /* All around, the first column has the last one beside it. */
-START_TEST(a_view_all_around_has_no_edge)
+LOOP_TEST(a_view_all_around_has_no_edge, 2)
 {
     struct rad_filter_shape s = { 48, 24, 2, 0, true };
     uint8_t *rgbe = noise(48, 24, 7), *turned = malloc(4 * 48 * 24);
@@ -315,9 +309,8 @@ START_TEST(a_view_all_around_has_no_edge)
     free(a);
     free(b);
 }
-END_TEST
 
-START_TEST(the_middle_is_the_nearest_sample)
+TEST(the_middle_is_the_nearest_sample)
 {
     ck_assert_int_eq(rad_filter_middle(512, 2, 0), 1); /* the later of two */
     ck_assert_int_eq(rad_filter_middle(513, 3, 0), 1);
@@ -331,10 +324,9 @@ START_TEST(the_middle_is_the_nearest_sample)
         ck_assert_double_le(fabs(at + .5 - middle), .5 + 1e-9);
     }
 }
-END_TEST
 
 /* As pfilt writes it: what is within half a percent is not said. */
-START_TEST(the_aspect_of_pixels_follows_the_rounding)
+TEST(the_aspect_of_pixels_follows_the_rounding)
 {
     struct rad_filter_shape s = { 512, 384, 2, 0, false };
 
@@ -343,9 +335,8 @@ START_TEST(the_aspect_of_pixels_follows_the_rounding)
     ck_assert_double_eq_tol(rad_filter_pixaspect(&s, 1.25),
                             1.25 * .5 / (7. / 13), 1e-12);
 }
-END_TEST
 
-START_TEST(options_are_those_of_what_is_written)
+TEST(options_are_those_of_what_is_written)
 {
     char text[RAD_FILTER_OPTIONS], plain[RAD_PARAMS_TEXT];
     struct rad_params p;
@@ -359,24 +350,4 @@ START_TEST(options_are_those_of_what_is_written)
     rad_filter_options(&p, 3, 4.5, text);
     ck_assert_int_eq(
         strncmp(text, "--oversample=3 --clamp=4.5 -x 300 -y 200 ", 41), 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("filter");
-
-    tcase_add_loop_test(tc, sides_are_rounded, 0, N_ELEM(sides));
-    tcase_add_loop_test(tc, pixels_are_those_of_the_formula, 0, N_ELEM(shapes));
-    tcase_add_test(tc, light_is_kept);
-    tcase_add_loop_test(tc, a_spike_counts_as_its_surroundings_allow, 0,
-                        N_ELEM(spikes));
-    tcase_add_test(tc, lines_and_edges_are_no_spikes);
-    tcase_add_test(tc, what_is_clamped_keeps_its_colour);
-    tcase_add_loop_test(tc, a_view_all_around_has_no_edge, 0, 2);
-    tcase_add_test(tc, the_middle_is_the_nearest_sample);
-    tcase_add_test(tc, the_aspect_of_pixels_follows_the_rounding);
-    tcase_add_test(tc, options_are_those_of_what_is_written);
-    return unit_run_case(tc);
 }

@@ -64,14 +64,13 @@ static const struct {
     { { 3.4e38f, 1e38f, 0 }, { 255, 150, 0, 255 } },
 };
 
-START_TEST(mantissas_are_cut_off)
+LOOP_TEST(mantissas_are_cut_off, N_ELEM(codes))
 {
     uint8_t rgbe[4];
 
     rad_rgbe(codes[_i].L, rgbe);
     ck_assert_mem_eq(rgbe, codes[_i].rgbe, 4);
 }
-END_TEST
 
 /* One component of n pixels from a coded row; returns what follows. */
 static const uint8_t *
@@ -90,7 +89,7 @@ decode(const uint8_t *at, uint8_t *c, int n)
 }
 
 /* Rows are coded many pixels at a time. */
-START_TEST(rows_hold_what_each_pixel_has_alone)
+TEST(rows_hold_what_each_pixel_has_alone)
 {
     struct rad_rgb L[53];
     uint8_t row[RAD_HDR_ROW_BYTES(N_ELEM(L))], c[4][N_ELEM(L)], rgbe[4];
@@ -119,13 +118,12 @@ START_TEST(rows_hold_what_each_pixel_has_alone)
             ck_assert_uint_eq(c[k][x], rgbe[k]);
     }
 }
-END_TEST
 
 static const int row_widths[] = { 1, 7, 8, 300, 32767, 32768 };
 
 /* The bytes of a row are found again, with anything behind it, and not where
  * one is missing or a count is wrong. */
-START_TEST(a_coded_row_tells_where_it_ends)
+LOOP_TEST(a_coded_row_tells_where_it_ends, N_ELEM(row_widths))
 {
     int width = row_widths[_i];
     struct rad_rgb *L = calloc((size_t)width, sizeof *L);
@@ -165,9 +163,8 @@ START_TEST(a_coded_row_tells_where_it_ends)
     free(again);
     free(rgbe);
 }
-END_TEST
 
-START_TEST(reading_adds_half_a_step)
+TEST(reading_adds_half_a_step)
 {
     static const uint8_t one[4] = { 128, 64, 0, 129 };
     static const uint8_t none[4] = { 5, 5, 5, 0 };
@@ -178,7 +175,6 @@ START_TEST(reading_adds_half_a_step)
     ck_assert_float_eq(L.b, .5f / 128);
     ck_assert(rad_rgb_black(rad_rgbe_radiance(none)));
 }
-END_TEST
 
 /* Pixels with runs of all lengths, long literals, and short rows. */
 static struct rad_rgb
@@ -239,7 +235,7 @@ stream_is_as_memory(const uint8_t *data, size_t len, size_t most)
 
 static const int widths[] = { 1, 2, 7, 8, 9, 127, 128, 129, 400, 32767, 32768 };
 
-START_TEST(pictures_come_back_as_written)
+LOOP_TEST(pictures_come_back_as_written, 4 * N_ELEM(widths))
 {
     int width = widths[_i / 4], kind = _i % 4, height = 3;
     struct rad_hdr_info info = { .program = "radsubmit",
@@ -276,9 +272,8 @@ START_TEST(pictures_come_back_as_written)
     free(f.data);
     free(L);
 }
-END_TEST
 
-START_TEST(header_holds_options_and_view)
+TEST(header_holds_options_and_view)
 {
     struct rad_hdr_info info = { .origin = "SCENE= a.rad\n",
                                  .software = "radd 1",
@@ -301,9 +296,8 @@ START_TEST(header_holds_options_and_view)
     ck_assert_mem_eq(f.data, want, f.len);
     free(f.data);
 }
-END_TEST
 
-START_TEST(header_says_what_the_numbers_are)
+TEST(header_says_what_the_numbers_are)
 {
     static const struct {
         const char *options, *lines;
@@ -331,9 +325,8 @@ START_TEST(header_says_what_the_numbers_are)
         free(f.data);
     }
 }
-END_TEST
 
-START_TEST(tristimulus_values_are_read_as_rgb)
+TEST(tristimulus_values_are_read_as_rgb)
 {
     struct rad_hdr_info info = { .program = "radsubmit",
                                  .options = "-pXYZ",
@@ -355,7 +348,6 @@ START_TEST(tristimulus_values_are_read_as_rgb)
                      RAD_EDATA);
     free(f.data);
 }
-END_TEST
 
 /* Two by three pixels, numbered 1 to 6 in the order of the file, as flat
  * pixels of value n + .5; where pixel 1 and 2 end up. */
@@ -369,7 +361,7 @@ static const struct {
     { "+X 2 +Y 3", 2, 4, 2 }, { "-X 2 +Y 3", 2, 5, 3 },
 };
 
-START_TEST(orientation_is_undone)
+LOOP_TEST(orientation_is_undone, N_ELEM(orientations))
 {
     struct file f = { NULL, 0 };
     struct rad_picture pic;
@@ -393,11 +385,10 @@ START_TEST(orientation_is_undone)
     rad_picture_release(&pic);
     free(f.data);
 }
-END_TEST
 
 #define HEAD "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
 
-START_TEST(exposure_and_colour_correction_are_undone)
+TEST(exposure_and_colour_correction_are_undone)
 {
     static const char text[] = "#?RGBE\nEXPOSURE=2\nEXPOSURE= 4\n"
                                "COLORCORR= 1 2 .5\nPIXASPECT=2\n\n"
@@ -412,10 +403,9 @@ START_TEST(exposure_and_colour_correction_are_undone)
     ck_assert_double_eq(pic.pixaspect, 2);
     rad_picture_release(&pic);
 }
-END_TEST
 
 /* As Radiance 1 wrote it. */
-START_TEST(oldest_header_is_read)
+TEST(oldest_header_is_read)
 {
     static const char text[] = "rpict -x 1 -y 1\nEXPOSURE=2\n\n"
                                "-Y 1 +X 1\n\x80\x80\x80\x81";
@@ -426,9 +416,8 @@ START_TEST(oldest_header_is_read)
     ck_assert_float_eq(pic.L[0].r, 128.5f / 128 / 2);
     rad_picture_release(&pic);
 }
-END_TEST
 
-START_TEST(old_runs_are_read)
+TEST(old_runs_are_read)
 {
     /* one pixel, 2 repeats, then 1 + 1*256 repeats */
     static const char text[] = HEAD "-Y 1 +X 261\n\x80\x40\x20\x81\1\1\1\2"
@@ -444,7 +433,6 @@ START_TEST(old_runs_are_read)
     ck_assert_float_eq(pic.L[260].r, 64.5f / 128);
     rad_picture_release(&pic);
 }
-END_TEST
 
 #define BAD(text)                                                              \
     {                                                                          \
@@ -485,7 +473,7 @@ static const struct {
     BAD("#?RADIANCE\nCOLORCORR=1 1\n\n-Y 1 +X 1\nabcd"),
 };
 
-START_TEST(damaged_pictures_are_refused)
+LOOP_TEST(damaged_pictures_are_refused, N_ELEM(bad))
 {
     struct rad_picture pic;
     struct rad_error err = { 0 };
@@ -500,7 +488,6 @@ START_TEST(damaged_pictures_are_refused)
     stream_is_as_memory(copy + 1, bad[_i].len, 1000);
     free(copy);
 }
-END_TEST
 
 static long
 fail_to_read(void *arg, void *buf, size_t n, struct rad_error *err)
@@ -509,7 +496,7 @@ fail_to_read(void *arg, void *buf, size_t n, struct rad_error *err)
     return rad_fail(err, RAD_EIO, "the disk is gone");
 }
 
-START_TEST(a_stream_that_fails_is_told)
+TEST(a_stream_that_fails_is_told)
 {
     struct rad_stream in = { fail_to_read, NULL };
     struct rad_coded_picture pic;
@@ -518,29 +505,4 @@ START_TEST(a_stream_that_fails_is_told)
     ck_assert_int_lt(rad_hdr_stream_coded(&in, 1, true, &pic, &err), 0);
     ck_assert_int_eq(err.code, RAD_EIO);
     ck_assert_str_eq(err.what, "the disk is gone");
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("hdr");
-
-    tcase_add_loop_test(tc, mantissas_are_cut_off, 0, N_ELEM(codes));
-    tcase_add_test(tc, rows_hold_what_each_pixel_has_alone);
-    tcase_add_loop_test(tc, a_coded_row_tells_where_it_ends, 0,
-                        N_ELEM(row_widths));
-    tcase_add_test(tc, reading_adds_half_a_step);
-    tcase_add_loop_test(tc, pictures_come_back_as_written, 0,
-                        4 * N_ELEM(widths));
-    tcase_add_test(tc, header_holds_options_and_view);
-    tcase_add_test(tc, header_says_what_the_numbers_are);
-    tcase_add_test(tc, tristimulus_values_are_read_as_rgb);
-    tcase_add_loop_test(tc, orientation_is_undone, 0, N_ELEM(orientations));
-    tcase_add_test(tc, oldest_header_is_read);
-    tcase_add_test(tc, exposure_and_colour_correction_are_undone);
-    tcase_add_test(tc, old_runs_are_read);
-    tcase_add_loop_test(tc, damaged_pictures_are_refused, 0, N_ELEM(bad));
-    tcase_add_test(tc, a_stream_that_fails_is_told);
-    return unit_run_case(tc);
 }

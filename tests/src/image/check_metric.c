@@ -25,7 +25,7 @@ grey(int width, int height, const float *v)
 static const struct rad_metric_options as_is = { 1, 0, 1 };
 
 /* Worked by hand: reference 1 1 1 1, test 1 1 1 2, e = .001. */
-START_TEST(figures_agree_with_hand_calculation)
+TEST(figures_agree_with_hand_calculation)
 {
     static const float tv[] = { 1, 1, 1, 2 }, rv[] = { 1, 1, 1, 1 };
     struct rad_picture t = grey(2, 2, tv), r = grey(2, 2, rv), a, b;
@@ -47,9 +47,8 @@ START_TEST(figures_agree_with_hand_calculation)
     rad_picture_release(&t);
     rad_picture_release(&r);
 }
-END_TEST
 
-START_TEST(channels_weigh_by_luminance)
+TEST(channels_weigh_by_luminance)
 {
     static const float one[] = { 1 };
     struct rad_picture t = grey(1, 1, one), r = grey(1, 1, one);
@@ -67,9 +66,8 @@ START_TEST(channels_weigh_by_luminance)
     rad_picture_release(&t);
     rad_picture_release(&r);
 }
-END_TEST
 
-START_TEST(blocks_are_averaged_and_values_clipped)
+TEST(blocks_are_averaged_and_values_clipped)
 {
     static const float tv[] = { 0, 2, 9, 0, 2, 9, 9, 9, 9 };
     static const float rv[] = { 1, 1, 5, 1, 1, 5, 5, 5, 5 };
@@ -92,9 +90,8 @@ START_TEST(blocks_are_averaged_and_values_clipped)
     rad_picture_release(&t);
     rad_picture_release(&r);
 }
-END_TEST
 
-START_TEST(larger_test_picture_is_brought_down)
+TEST(larger_test_picture_is_brought_down)
 {
     static const float tv[] = { 1, 3, 1, 3, 3, 1, 3, 1 }, rv[] = { 2, 2 };
     static const struct rad_metric_options half = { 2, 0, 1 };
@@ -113,9 +110,8 @@ START_TEST(larger_test_picture_is_brought_down)
     rad_picture_release(&t);
     rad_picture_release(&r);
 }
-END_TEST
 
-START_TEST(black_and_infinite_pictures_are_refused)
+TEST(black_and_infinite_pictures_are_refused)
 {
     static const float black[] = { 0 }, inf[] = { INFINITY };
     struct rad_picture t = grey(1, 1, inf), r = grey(1, 1, black), a, b;
@@ -127,7 +123,6 @@ START_TEST(black_and_infinite_pictures_are_refused)
     rad_picture_release(&t);
     rad_picture_release(&r);
 }
-END_TEST
 
 static int
 refuse(void *arg, const void *data, size_t n, struct rad_error *err)
@@ -138,7 +133,7 @@ refuse(void *arg, const void *data, size_t n, struct rad_error *err)
     return rad_fail(err, RAD_EIO, "disk full");
 }
 
-START_TEST(png_passes_on_why_it_could_not_be_written)
+TEST(png_passes_on_why_it_could_not_be_written)
 {
     static const uint8_t rgb[3] = { 1, 2, 3 };
     struct rad_sink sink = { refuse, NULL };
@@ -147,9 +142,8 @@ START_TEST(png_passes_on_why_it_could_not_be_written)
     ck_assert_int_eq(rad_png_write(rgb, 1, 1, 1, &sink, &err), RAD_EIO);
     ck_assert_str_eq(err.what, "disk full");
 }
-END_TEST
 
-START_TEST(differences_are_red_and_blue)
+TEST(differences_are_red_and_blue)
 {
     static const float tv[] = { 1000, 2000, 500, 1e9f, 0, 1000 };
     static const float rv[] = { 1000, 1000, 1000, 1000, 1000, 1000 };
@@ -168,9 +162,8 @@ START_TEST(differences_are_red_and_blue)
     rad_picture_release(&t);
     rad_picture_release(&r);
 }
-END_TEST
 
-START_TEST(false_colours_span_three_decades)
+TEST(false_colours_span_three_decades)
 {
     static const float v[] = { 1, .001f, 1e-9f, 0, INFINITY, NAN };
     struct rad_picture p = grey(6, 1, v);
@@ -185,21 +178,4 @@ START_TEST(false_colours_span_three_decades)
         ck_assert_int_eq(image.rgb[3 * x], x == 4 ? 255 : 10);
     free(image.rgb);
     rad_picture_release(&p);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("metric");
-
-    tcase_add_test(tc, figures_agree_with_hand_calculation);
-    tcase_add_test(tc, channels_weigh_by_luminance);
-    tcase_add_test(tc, blocks_are_averaged_and_values_clipped);
-    tcase_add_test(tc, larger_test_picture_is_brought_down);
-    tcase_add_test(tc, black_and_infinite_pictures_are_refused);
-    tcase_add_test(tc, differences_are_red_and_blue);
-    tcase_add_test(tc, false_colours_span_three_decades);
-    tcase_add_test(tc, png_passes_on_why_it_could_not_be_written);
-    return unit_run_case(tc);
 }

@@ -24,7 +24,7 @@ png_of(int width, int height, int bits)
     return out;
 }
 
-START_TEST(png_has_its_signature_size_and_end)
+TEST(png_has_its_signature_size_and_end)
 {
     static const uint8_t start[] = { 0x89, 'P', 'N', 'G', 13,  10,  26,  10,
                                      0,    0,   0,   13,  'I', 'H', 'D', 'R',
@@ -41,11 +41,10 @@ START_TEST(png_has_its_signature_size_and_end)
         free(out.bytes);
     }
 }
-END_TEST
 
 /* The values that PNG's specification wants beside sRGB; 4-byte lengths and
  * checksums are libpng's. */
-START_TEST(png_says_that_it_is_srgb)
+TEST(png_says_that_it_is_srgb)
 {
     static const struct {
         const char *bytes;
@@ -67,15 +66,4 @@ START_TEST(png_says_that_it_is_srgb)
         ck_assert_msg(found, "%.4s", chunk[i].bytes);
     }
     free(out.bytes);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("screen");
-
-    tcase_add_test(tc, png_has_its_signature_size_and_end);
-    tcase_add_test(tc, png_says_that_it_is_srgb);
-    return unit_run_case(tc);
 }

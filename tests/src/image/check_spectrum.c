@@ -26,6 +26,8 @@ end(void)
     rad_arena_release(&arena);
 }
 
+FIXTURE(begin, end)
+
 static void
 colour(int n, double from, double to, double (*f)(double), double rgb[3])
 {
@@ -67,7 +69,7 @@ static const struct {
 };
 
 /* What the observer sees of 380 to 780 nm is all but 4e-4 of it. */
-START_TEST(even_spectrum_is_white)
+LOOP_TEST(even_spectrum_is_white, N_ELEM(grids))
 {
     double rgb[3];
 
@@ -75,9 +77,8 @@ START_TEST(even_spectrum_is_white)
     for (int k = 0; k < 3; k++)
         ck_assert_double_eq_tol(rgb[k], 1, 1e-3);
 }
-END_TEST
 
-START_TEST(direction_and_fineness_hardly_matter)
+TEST(direction_and_fineness_hardly_matter)
 {
     double a[3], b[3], c[3];
 
@@ -89,11 +90,10 @@ START_TEST(direction_and_fineness_hardly_matter)
         ck_assert_double_eq_tol(a[k], c[k], .03 * a[k]);
     }
 }
-END_TEST
 
 /* A line is outside of what three primaries can show: none is negative, and the
  * luminance is what the observer's Y says: .710 of 106.857 a nanometre. */
-START_TEST(pure_colour_is_shown_paler)
+TEST(pure_colour_is_shown_paler)
 {
     double rgb[3], lum;
 
@@ -106,9 +106,8 @@ START_TEST(pure_colour_is_shown_paler)
     /* bands of 16.7 nm hold the line's eight samples */
     ck_assert_double_eq_tol(lum, 8 * .710 / 106.857, .1 * lum);
 }
-END_TEST
 
-START_TEST(three_bands_are_the_channels)
+TEST(three_bands_are_the_channels)
 {
     const struct rad_spectrum *sp =
         rad_spectrum_new(&arena, 3, 780, 380, &rgb_bands);
@@ -120,11 +119,10 @@ START_TEST(three_bands_are_the_channels)
     for (int k = 0; k < 3; k++)
         ck_assert_double_eq_tol(rgb[k], .1 * (k + 1), 1e-12);
 }
-END_TEST
 
 /* Bands of a job: what samples fill of each, none lost where the range holds
  * them; and of all planes each band once. */
-START_TEST(bands_get_the_mean_of_samples)
+TEST(bands_get_the_mean_of_samples)
 {
     struct rad_bands b = { 20, 780, 380, 0 };
     struct rad_rgb plane[RAD_MAX_PLANES];
@@ -149,9 +147,8 @@ START_TEST(bands_get_the_mean_of_samples)
         ck_assert_double_eq_tol((double)band[i], want, 1e-3);
     }
 }
-END_TEST
 
-START_TEST(planes_have_each_band_once_and_far_apart)
+RANGE_TEST(planes_have_each_band_once_and_far_apart, 3, RAD_MAX_BANDS + 1)
 {
     struct rad_bands b = { _i, 780, 380, -1 };
     int planes = rad_bands_planes(&b), seen[RAD_MAX_BANDS] = { 0 };
@@ -169,7 +166,6 @@ START_TEST(planes_have_each_band_once_and_far_apart)
         ck_assert_int_ge(seen[i], 1);
     ck_assert_int_le(planes, RAD_MAX_PLANES);
 }
-END_TEST
 
 static const struct {
     double longest, shortest;
@@ -183,7 +179,7 @@ static const struct {
     { 600, 500, 6, "rrggbb", false },
 };
 
-START_TEST(colours_become_three_steps)
+LOOP_TEST(colours_become_three_steps, N_ELEM(split))
 {
     struct rad_bands b = { split[_i].n, split[_i].longest, split[_i].shortest,
                            -1 };
@@ -193,7 +189,6 @@ START_TEST(colours_become_three_steps)
         ck_assert_int_eq("rgb"[rad_bands_primary(&b, i)],
                          split[_i].primaries[i]);
 }
-END_TEST
 
 #define HEAD                                                                   \
     "#?RADIANCE\nNCOMP=4\nWAVELENGTH_SPLITS= 780 588 480 380\n"                \
@@ -212,7 +207,7 @@ parse(const char *text, size_t len, struct rad_error *err)
     return d;
 }
 
-START_TEST(picture_has_its_samples)
+TEST(picture_has_its_samples)
 {
     static const char text[] = HEAD "-Y 2 +X 3\n"
                                     "\1\2\3\4\200"
@@ -237,7 +232,6 @@ START_TEST(picture_has_its_samples)
     ck_assert_double_eq(rad_data_value(d, (double[]){ 1, 1.5, 530 }), 0);
     ck_assert_double_eq(rad_data_value(d, (double[]){ 0, 1.5, 530 }), 7. / 256);
 }
-END_TEST
 
 static const struct {
     const char *text, *problem;
@@ -260,31 +254,11 @@ static const struct {
     { HEAD "-Y 16777216 +X 16777216\n12345", "too many pixels" },
 };
 
-START_TEST(bad_picture_is_refused)
+LOOP_TEST(bad_picture_is_refused, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
 
     ck_assert_ptr_null(parse(bad[_i].text, strlen(bad[_i].text), &err));
     ck_assert_int_eq(err.code, RAD_EDATA);
     ck_assert_msg(strstr(err.what, bad[_i].problem) != NULL, "%s", err.what);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("spectra");
-
-    tcase_add_checked_fixture(tc, begin, end);
-    tcase_add_loop_test(tc, even_spectrum_is_white, 0, N_ELEM(grids));
-    tcase_add_test(tc, direction_and_fineness_hardly_matter);
-    tcase_add_test(tc, pure_colour_is_shown_paler);
-    tcase_add_test(tc, three_bands_are_the_channels);
-    tcase_add_test(tc, bands_get_the_mean_of_samples);
-    tcase_add_loop_test(tc, planes_have_each_band_once_and_far_apart, 3,
-                        RAD_MAX_BANDS + 1);
-    tcase_add_loop_test(tc, colours_become_three_steps, 0, N_ELEM(split));
-    tcase_add_test(tc, picture_has_its_samples);
-    tcase_add_loop_test(tc, bad_picture_is_refused, 0, N_ELEM(bad));
-    return unit_run_case(tc);
 }

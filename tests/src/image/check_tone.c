@@ -48,7 +48,7 @@ apply(const struct rad_tone_options *o, struct rad_tone *tone,
 /* --- sRGB --- */
 
 /* The table against the formula, where its steps meet and between. */
-START_TEST(table_of_srgb_is_the_curve)
+TEST(table_of_srgb_is_the_curve)
 {
     static struct rad_srgb_table t;
     float v;
@@ -68,7 +68,6 @@ START_TEST(table_of_srgb_is_the_curve)
     ck_assert_float_eq(rad_srgb_encode(&t, -1), 0);
     ck_assert_float_eq(rad_srgb_encode(&t, NAN), 0);
 }
-END_TEST
 
 /* --- photographic --- */
 
@@ -82,7 +81,7 @@ static const struct {
     { 6, .8906250 },       { 8, 1 },          { 800, 1 },
 };
 
-START_TEST(photographic_is_equation_4)
+LOOP_TEST(photographic_is_equation_4, N_ELEM(reinhard))
 {
     struct rad_tone_options o = absolutely(RAD_TONE_PHOTOGRAPHIC, .5);
     struct rad_picture p = grey(1, 1, &reinhard[_i].L);
@@ -92,11 +91,10 @@ START_TEST(photographic_is_equation_4)
     ck_assert_double_eq_tol(p.L[0].g, reinhard[_i].screen, 2e-6);
     rad_picture_release(&p);
 }
-END_TEST
 
 /* The geometric mean of .1 and 10 is 1, which comes to .25; the hundredth that
  * is a lamp does not count for more than the rest, nor black ones at all. */
-START_TEST(photographic_takes_the_log_average_to_middle_grey)
+TEST(photographic_takes_the_log_average_to_middle_grey)
 {
     struct rad_tone_options o = choose(RAD_TONE_PHOTOGRAPHIC);
     struct rad_picture p = blank(20, 20);
@@ -112,9 +110,8 @@ START_TEST(photographic_takes_the_log_average_to_middle_grey)
     ck_assert_float_eq(p.L[399].r, 0);
     rad_picture_release(&p);
 }
-END_TEST
 
-START_TEST(curve_rises_and_does_not_care_for_units)
+LOOP_TEST(curve_rises_and_does_not_care_for_units, 2)
 {
     struct rad_tone_options o = choose((enum rad_tone_curve)_i);
     struct rad_picture p = blank(10, 10), q = blank(10, 10);
@@ -135,12 +132,11 @@ START_TEST(curve_rises_and_does_not_care_for_units)
     rad_picture_release(&p);
     rad_picture_release(&q);
 }
-END_TEST
 
 /* --- linear --- */
 
 /* pfilt: the mean of what is above 0 and below 100 comes to a half. */
-START_TEST(linear_takes_the_mean_to_a_half)
+TEST(linear_takes_the_mean_to_a_half)
 {
     static const float v[] = { 0, 1, 3, 1e5f };
     struct rad_tone_options o = choose(RAD_TONE_LINEAR);
@@ -154,9 +150,8 @@ START_TEST(linear_takes_the_mean_to_a_half)
     ck_assert_float_eq_tol(p.L[3].g, 1, 1e-6f);
     rad_picture_release(&p);
 }
-END_TEST
 
-START_TEST(a_picture_of_lamps_alone_has_an_exposure)
+TEST(a_picture_of_lamps_alone_has_an_exposure)
 {
     static const float v[] = { 1000, 3000 };
     struct rad_tone_options o = choose(RAD_TONE_LINEAR);
@@ -167,12 +162,13 @@ START_TEST(a_picture_of_lamps_alone_has_an_exposure)
     ck_assert_double_eq_tol(tone.scale, .5 / 2000, 1e-9);
     rad_picture_release(&p);
 }
-END_TEST
 
 /* --- exposure --- */
 
+enum { CURVES = 3 }; /* of enum rad_tone_curve */
+
 /* Far below the shoulder a stop is twice the light, for each curve. */
-START_TEST(a_stop_is_twice_the_light)
+LOOP_TEST(a_stop_is_twice_the_light, CURVES)
 {
     struct rad_tone_options o = choose((enum rad_tone_curve)_i);
     struct rad_picture p = blank(64, 64), q = blank(64, 64);
@@ -187,10 +183,9 @@ START_TEST(a_stop_is_twice_the_light)
     rad_picture_release(&p);
     rad_picture_release(&q);
 }
-END_TEST
 
 /* Equal radiance is shown alike, whatever else is in the picture. */
-START_TEST(a_factor_is_of_radiance)
+LOOP_TEST(a_factor_is_of_radiance, CURVES)
 {
     static const float v[] = { .1f, .2f }, w[] = { .1f, 2000 };
     struct rad_tone_options o = absolutely((enum rad_tone_curve)_i, 2);
@@ -208,9 +203,8 @@ START_TEST(a_factor_is_of_radiance)
     rad_picture_release(&p);
     rad_picture_release(&q);
 }
-END_TEST
 
-START_TEST(a_fitted_tone_serves_other_pictures)
+LOOP_TEST(a_fitted_tone_serves_other_pictures, CURVES)
 {
     static const float v[] = { 1, 2 }, w[] = { 10, 20 };
     struct rad_tone_options o = choose((enum rad_tone_curve)_i);
@@ -226,9 +220,8 @@ START_TEST(a_fitted_tone_serves_other_pictures)
     rad_picture_release(&q);
     rad_picture_release(&r);
 }
-END_TEST
 
-START_TEST(black_pictures_stay_black_and_say_nothing)
+LOOP_TEST(black_pictures_stay_black_and_say_nothing, CURVES)
 {
     struct rad_tone_options o = choose((enum rad_tone_curve)_i);
     struct rad_picture p = blank(4, 4), q = blank(4, 4);
@@ -244,10 +237,9 @@ START_TEST(black_pictures_stay_black_and_say_nothing)
     rad_picture_release(&p);
     rad_picture_release(&q);
 }
-END_TEST
 
 /* Of a picture that is half there the other half neither counts nor shows. */
-START_TEST(what_is_not_there_yet_does_not_count)
+LOOP_TEST(what_is_not_there_yet_does_not_count, CURVES)
 {
     struct rad_tone_options o = choose((enum rad_tone_curve)_i);
     struct rad_picture half = blank(32, 32), small = blank(32, 15);
@@ -268,10 +260,9 @@ START_TEST(what_is_not_there_yet_does_not_count)
     rad_picture_release(&half);
     rad_picture_release(&small);
 }
-END_TEST
 
 /* Values at the ends of what a picture holds come out from 0 to 1. */
-START_TEST(extremes_stay_on_the_screen)
+LOOP_TEST(extremes_stay_on_the_screen, CURVES)
 {
     static const float v[] = { 0, 1e-38f, 1e-7f, 1, 1e12f, 1.7e38f };
     static const double exposure[] = { 1, 1e12, 1e-12 };
@@ -291,7 +282,6 @@ START_TEST(extremes_stay_on_the_screen)
         rad_picture_release(&p);
     }
 }
-END_TEST
 
 /* --- hue --- */
 
@@ -331,7 +321,7 @@ apart(double a, double b)
 /* In light from far below to 1e5 times white: linear hue stays to rounding,
  * the eye's within 6 degrees but for the red primary's 14, luminance rises, and
  * at least half of the saturation is left. */
-START_TEST(bright_colours_keep_their_hue)
+LOOP_TEST(bright_colours_keep_their_hue, N_ELEM(paint))
 {
     struct rad_rgb one = rad_rgb_scale(paint[_i], 1 / rad_rgb_lum(paint[_i]));
     double bound = paint[_i].r == 1 && paint[_i].b == 0 ? 14 : 6;
@@ -352,19 +342,17 @@ START_TEST(bright_colours_keep_their_hue)
         last = lum;
     }
 }
-END_TEST
 
-START_TEST(white_stays_white)
+TEST(white_stays_white)
 {
     struct rad_rgb c = rad_tone_fit_gamut(rad_grey(37));
 
     ck_assert_float_eq_tol(c.r, 1, 1e-6f);
     ck_assert_float_eq_tol(c.b, 1, 1e-6f);
 }
-END_TEST
 
 /* The sun on a red rug in a grey room, through photographic and human. */
-START_TEST(the_sun_on_a_red_rug_is_red)
+LOOP_TEST(the_sun_on_a_red_rug_is_red, CURVES)
 {
     struct rad_tone_options o = choose((enum rad_tone_curve)_i);
     struct rad_picture p = blank(100, 50);
@@ -383,7 +371,6 @@ START_TEST(the_sun_on_a_red_rug_is_red)
     ck_assert_double_lt(apart(hue(c), hue(rad_rgb(50, 10, 8))), 2);
     rad_picture_release(&p);
 }
-END_TEST
 
 /* --- human --- */
 
@@ -396,7 +383,7 @@ static const struct {
     { 10, 1.07190, 43.86097 },    { 1000, 55.59043, 49.08436 },
 };
 
-START_TEST(thresholds_and_acuity_are_the_papers)
+LOOP_TEST(thresholds_and_acuity_are_the_papers, N_ELEM(sight))
 {
     double La = sight[_i].La;
 
@@ -406,11 +393,10 @@ START_TEST(thresholds_and_acuity_are_the_papers)
         ck_assert_double_eq_tol(rad_human_acuity(La), sight[_i].acuity, 1e-4);
     ck_assert_double_gt(rad_human_acuity(0), 0);
 }
-END_TEST
 
 /* Luminances of 20 to 40 cd/m2 fit the screen: the threshold at 10 cd/m2, in
  * the middle of its logarithms, over that at the mean of the picture's. */
-START_TEST(small_ranges_are_shown_by_a_factor)
+TEST(small_ranges_are_shown_by_a_factor)
 {
     struct rad_tone_options o = choose(RAD_TONE_HUMAN);
     struct rad_picture p = blank(80, 80);
@@ -426,12 +412,11 @@ START_TEST(small_ranges_are_shown_by_a_factor)
                             .005 * tone.human.scale);
     rad_picture_release(&p);
 }
-END_TEST
 
 /* Six orders of magnitude, evenly, and a wall that is most of the picture: the
  * curve spans the screen, and nowhere is the screen's step of luminance more
  * thresholds than the world's, but for the share that may stay untrimmed. */
-START_TEST(no_contrast_is_shown_that_would_not_be_seen)
+TEST(no_contrast_is_shown_that_would_not_be_seen)
 {
     struct rad_tone_options o = choose(RAD_TONE_HUMAN);
     struct rad_picture p = blank(200, 200);
@@ -462,7 +447,6 @@ START_TEST(no_contrast_is_shown_that_would_not_be_seen)
     ck_assert_double_gt(steepest, .8);
     rad_picture_release(&p);
 }
-END_TEST
 
 static struct rad_view
 square_view(double degrees)
@@ -501,7 +485,7 @@ veil_at(const struct rad_picture *p, const struct rad_view *v, int n, int i,
 
 /* A lamp in a dark view of 12 degrees, which has 12 samples a side, each of 5
  * pixels; 2 - 2 cos(t) for t^2 is .1 % off there. */
-START_TEST(veil_is_light_scattered_by_angle)
+TEST(veil_is_light_scattered_by_angle)
 {
     enum { N = 12, SIZE = 5 };
     struct rad_view v = square_view(12);
@@ -530,14 +514,13 @@ START_TEST(veil_is_light_scattered_by_angle)
     rad_eye_free(e);
     rad_picture_release(&p);
 }
-END_TEST
 
 /* [cd/m2] of a pure blue: rods alone, half and half, cones alone. */
 static const struct {
     double lum, cones;
 } dusk[] = { { .001, 0 }, { 2.81281, .5 }, { 10, 1 } };
 
-START_TEST(colours_fade_in_the_dark)
+LOOP_TEST(colours_fade_in_the_dark, N_ELEM(dusk))
 {
     struct rad_human h = { .linear = true, .scale = 1, .colour = true };
     struct rad_picture p = blank(4, 4);
@@ -555,7 +538,6 @@ START_TEST(colours_fade_in_the_dark)
     rad_eye_free(e);
     rad_picture_release(&p);
 }
-END_TEST
 
 /* How much is left of a grating's amplitude in the middle of a view of 20
  * degrees, 50 pixels each, by its period in pixels. */
@@ -587,18 +569,17 @@ seen_of_grating(double lum, int period)
 }
 
 /* At .1 cd/m2 an eye sees 11.75 cycles a degree: 4.25 pixels; 50 at 1000. */
-START_TEST(fine_detail_is_lost_in_the_dark)
+TEST(fine_detail_is_lost_in_the_dark)
 {
     ck_assert_double_lt(seen_of_grating(.1, 2), .02);
     ck_assert_double_lt(seen_of_grating(.1, 4), .2);
     ck_assert_double_gt(seen_of_grating(.1, 64), .95);
     ck_assert_double_gt(seen_of_grating(1000, 4), .7);
 }
-END_TEST
 
 /* --- primaries --- */
 
-START_TEST(primaries_become_srgbs)
+TEST(primaries_become_srgbs)
 {
     static const double srgb[8] = {
         .64, .33, .30, .60, .15, .06, .3127, .3290
@@ -626,14 +607,13 @@ START_TEST(primaries_become_srgbs)
     for (int i = 0; i < 3; i++) /* another white, and it is white */
         ck_assert_double_eq_tol(m[i][0] + m[i][1] + m[i][2], 1, 1e-9);
 }
-END_TEST
 
 static const char swapped[] =
     "#?RADIANCE\nPRIMARIES= .29 .60 .64 .33 .15 .06 .3333333 .3333333\n"
     "FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\200\100\040\201";
 
 /* One whose red and green have changed places. */
-START_TEST(a_picture_of_other_primaries_is_understood)
+TEST(a_picture_of_other_primaries_is_understood)
 {
     struct rad_picture p;
 
@@ -646,39 +626,4 @@ START_TEST(a_picture_of_other_primaries_is_understood)
     ck_assert(!p.other_primaries);
     ck_assert_float_gt(p.L[0].g, 1.9f * p.L[0].r);
     rad_picture_release(&p);
-}
-END_TEST
-
-int
-main(void)
-{
-    enum { CURVES = 3 };
-    TCase *tc = tcase_create("tone");
-
-    tcase_add_test(tc, table_of_srgb_is_the_curve);
-    tcase_add_loop_test(tc, photographic_is_equation_4, 0, N_ELEM(reinhard));
-    tcase_add_test(tc, photographic_takes_the_log_average_to_middle_grey);
-    tcase_add_loop_test(tc, curve_rises_and_does_not_care_for_units, 0, 2);
-    tcase_add_test(tc, linear_takes_the_mean_to_a_half);
-    tcase_add_test(tc, a_picture_of_lamps_alone_has_an_exposure);
-    tcase_add_loop_test(tc, a_stop_is_twice_the_light, 0, CURVES);
-    tcase_add_loop_test(tc, a_factor_is_of_radiance, 0, CURVES);
-    tcase_add_loop_test(tc, a_fitted_tone_serves_other_pictures, 0, CURVES);
-    tcase_add_loop_test(tc, black_pictures_stay_black_and_say_nothing, 0,
-                        CURVES);
-    tcase_add_loop_test(tc, what_is_not_there_yet_does_not_count, 0, CURVES);
-    tcase_add_loop_test(tc, extremes_stay_on_the_screen, 0, CURVES);
-    tcase_add_loop_test(tc, bright_colours_keep_their_hue, 0, N_ELEM(paint));
-    tcase_add_test(tc, white_stays_white);
-    tcase_add_loop_test(tc, the_sun_on_a_red_rug_is_red, 0, CURVES);
-    tcase_add_loop_test(tc, thresholds_and_acuity_are_the_papers, 0,
-                        N_ELEM(sight));
-    tcase_add_test(tc, small_ranges_are_shown_by_a_factor);
-    tcase_add_test(tc, no_contrast_is_shown_that_would_not_be_seen);
-    tcase_add_test(tc, veil_is_light_scattered_by_angle);
-    tcase_add_loop_test(tc, colours_fade_in_the_dark, 0, N_ELEM(dusk));
-    tcase_add_test(tc, fine_detail_is_lost_in_the_dark);
-    tcase_add_test(tc, primaries_become_srgbs);
-    tcase_add_test(tc, a_picture_of_other_primaries_is_understood);
-    return unit_run_case(tc);
 }

@@ -312,7 +312,7 @@ look_up(const struct rad_ambread *r, int i, struct matches *t)
     }
 }
 
-START_TEST(frozen_look_up_finds_what_a_search_of_all_finds)
+TEST(frozen_look_up_finds_what_a_search_of_all_finds)
 {
     struct rad_ambread r;
     struct matches t = { 0 };
@@ -324,11 +324,10 @@ START_TEST(frozen_look_up_finds_what_a_search_of_all_finds)
     ck_assert_int_lt(t.vain, 20 * t.served);
     rad_ambread_release(&r);
 }
-END_TEST
 
 /* All records are in one part of the scene's cube, and of that part, and so on:
  * leaves are as small as in a cube of the room's size. */
-START_TEST(a_room_that_is_small_in_its_scene_is_searched_as_well)
+TEST(a_room_that_is_small_in_its_scene_is_searched_as_well)
 {
     struct rad_ambread r;
     struct matches t = { 0 };
@@ -340,9 +339,8 @@ START_TEST(a_room_that_is_small_in_its_scene_is_searched_as_well)
     ck_assert_int_lt(t.vain, 20 * t.served);
     rad_ambread_release(&r);
 }
-END_TEST
 
-START_TEST(frozen_records_come_in_an_order_that_ignores_how_they_were_settled)
+TEST(frozen_records_come_in_an_order_that_ignores_how_they_were_settled)
 {
     struct rad_ambread often, once;
 
@@ -369,11 +367,10 @@ START_TEST(frozen_records_come_in_an_order_that_ignores_how_they_were_settled)
     rad_ambread_release(&often);
     rad_ambread_release(&once);
 }
-END_TEST
 
 /* Of the first half alone the same serve, in the same order, as if the others
  * were not there. */
-START_TEST(of_frozen_records_the_later_ones_can_be_left_out)
+TEST(of_frozen_records_the_later_ones_can_be_left_out)
 {
     struct rad_ambread all, half;
     int served = 0;
@@ -414,9 +411,8 @@ START_TEST(of_frozen_records_the_later_ones_can_be_left_out)
     rad_ambread_release(&all);
     rad_ambread_release(&half);
 }
-END_TEST
 
-START_TEST(look_up_finds_what_a_search_of_all_finds)
+TEST(look_up_finds_what_a_search_of_all_finds)
 {
     struct rad_ambcache *c = filled();
     static int times[RECORDS];
@@ -450,9 +446,8 @@ START_TEST(look_up_finds_what_a_search_of_all_finds)
     ck_assert_int_gt(served, QUERIES / 4); /* of three levels one serves */
     rad_ambcache_free(c);
 }
-END_TEST
 
-START_TEST(small_zones_come_first_and_large_ones_if_wanted)
+TEST(small_zones_come_first_and_large_ones_if_wanted)
 {
     struct rad_ambcache *c = filled();
     int shorter = 0;
@@ -482,7 +477,6 @@ START_TEST(small_zones_come_first_and_large_ones_if_wanted)
     ck_assert_int_gt(shorter, 0);
     rad_ambcache_free(c);
 }
-END_TEST
 
 /* --- memory --- */
 
@@ -544,7 +538,7 @@ want_any(void *arg, double reach)
     return reach < INFINITY;
 }
 
-START_TEST(insertions_allocate_in_bulk_and_look_ups_never)
+TEST(insertions_allocate_in_bulk_and_look_ups_never)
 {
     unsigned long before = allocations, between, after;
     struct rad_ambcache *c = filled();
@@ -565,7 +559,6 @@ START_TEST(insertions_allocate_in_bulk_and_look_ups_never)
     ck_assert_uint_lt(between - before, RECORDS / 8);
     rad_ambcache_free(c);
 }
-END_TEST
 
 static void
 trace_room(struct world *w)
@@ -580,7 +573,7 @@ trace_room(struct world *w)
     }
 }
 
-START_TEST(rays_allocate_nothing)
+TEST(rays_allocate_nothing)
 {
     unsigned long before, between, after;
     struct world w = { 0 };
@@ -615,7 +608,6 @@ START_TEST(rays_allocate_nothing)
     ck_assert_uint_lt(after - between, 10);
     world_close(&w);
 }
-END_TEST
 
 /* --- threads --- */
 
@@ -696,7 +688,7 @@ insert_and_look(void *arg)
     return NULL;
 }
 
-START_TEST(threads_find_what_they_insert)
+TEST(threads_find_what_they_insert)
 {
     const char *soak = getenv("RADD_SOAK");
     bool long_one = soak && strcmp(soak, "long") == 0;
@@ -726,31 +718,4 @@ START_TEST(threads_find_what_they_insert)
     ck_assert_uint_eq(logged, (size_t)crowd.each * THREADS);
     ck_assert_uint_eq(rad_ambcache_count(crowd.cache), logged);
     rad_ambcache_free(crowd.cache);
-}
-END_TEST
-
-int
-main(void)
-{
-    Suite *s = suite_create("ambcache");
-    TCase *tc = tcase_create("look-up");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_test(tc, look_up_finds_what_a_search_of_all_finds);
-    tcase_add_test(tc, frozen_look_up_finds_what_a_search_of_all_finds);
-    tcase_add_test(tc, a_room_that_is_small_in_its_scene_is_searched_as_well);
-    tcase_add_test(
-        tc, frozen_records_come_in_an_order_that_ignores_how_they_were_settled);
-    tcase_add_test(tc, of_frozen_records_the_later_ones_can_be_left_out);
-    tcase_add_test(tc, small_zones_come_first_and_large_ones_if_wanted);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("memory");
-    tcase_add_test(tc, insertions_allocate_in_bulk_and_look_ups_never);
-    tcase_add_test(tc, rays_allocate_nothing);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("threads");
-    tcase_set_timeout(tc, 3600);
-    tcase_add_test(tc, threads_find_what_they_insert);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
 }

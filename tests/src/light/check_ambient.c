@@ -38,9 +38,11 @@ irradiance_up(struct world *in, double x, double y, double z)
     "white polygon x0 0 0 12 -1 -1 -1 -1 1 -1 -1 1 1 -1 -1 1\n"                \
     "white polygon x1 0 0 12 1 -1 -1 1 -1 1 1 1 1 1 1 -1\n"
 
+FIXTURE(NULL, world_tear_down)
+
 /* An even sky gives pi L however it is sampled; with nothing in the way, a
  * plane under it is one record. */
-START_TEST(even_sky_gives_pi_times_its_radiance)
+LOOP_TEST(even_sky_gives_pi_times_its_radiance, 5)
 {
     static const char *const options[] = {
         "-ab 1 -aa 0 -ad 64 -as 0",           "-ab 1 -aa 0 -ad 1 -as 0",
@@ -57,12 +59,11 @@ START_TEST(even_sky_gives_pi_times_its_radiance)
         ck_assert_double_eq_tol(E.b, 3 * M_PI, 1e-5);
     }
 }
-END_TEST
 
 /* A texture that leans the normal by 45 degrees toward the bright side of a sky
  * of 1 + x has sin 45 times the integral of x^2 / pi more; of fewer cells than
  * seven a side it has no part in indirect light, as in rpict. */
-START_TEST(textures_lean_where_cells_are_many)
+LOOP_TEST(textures_lean_where_cells_are_many, 2)
 {
     static const struct {
         const char *options;
@@ -88,11 +89,10 @@ START_TEST(textures_lean_where_cells_are_many)
     }
     ck_assert_double_eq_tol(sum, leaning[_i].L, .03);
 }
-END_TEST
 
 /* In a closed box, -av after n bounces has been reflected n times, also where
  * records of fewer bounces are at hand. */
-START_TEST(furnace_loses_the_reflectance_at_each_bounce)
+LOOP_TEST(furnace_loses_the_reflectance_at_each_bounce, 2)
 {
     static const char *const cache[] = { "-aa 0 -ad 16", "-aa .2 -ad 64" };
     char options[128];
@@ -105,11 +105,10 @@ START_TEST(furnace_loses_the_reflectance_at_each_bounce)
                                 8 * M_PI * pow(.5, bounces), 1e-5);
     }
 }
-END_TEST
 
 /* A hemisphere whose rays have all died is black: their light is in those of
  * other hemispheres that survived. */
-START_TEST(roulette_leaves_the_mean_alone)
+TEST(roulette_leaves_the_mean_alone)
 {
     double sum = 0, truth = 8 * M_PI * pow(.5, 3);
     int n = 4000;
@@ -120,7 +119,6 @@ START_TEST(roulette_leaves_the_mean_alone)
         sum += irradiance_up(&w, i / 4000. - .5, .2, -.9).g;
     ck_assert_double_eq_tol(sum / n, truth, .03 * truth);
 }
-END_TEST
 
 /* What -ae names, or -ai does not, gets -av without a bounce. */
 static const struct {
@@ -132,7 +130,7 @@ static const struct {
     { "-ai a -ae b", .25, .5 }, { "-ae c", .25, .25 },
 };
 
-START_TEST(lists_say_which_surfaces_get_ambient_light)
+LOOP_TEST(lists_say_which_surfaces_get_ambient_light, 2 * N_ELEM(listed))
 {
     char options[128];
 
@@ -152,12 +150,11 @@ START_TEST(lists_say_which_surfaces_get_ambient_light)
     ck_assert_double_eq_tol(world_see(&w, .5, 0, 1, 0, 0, -1).r,
                             8 * listed[_i / 2].b, 1e-5);
 }
-END_TEST
 
 /* A glow that fills a quarter of the hemisphere's projection: the mean of many
  * samplings is right, with and without extra samples, in the dark half and at
  * the edge, for these must not depend on what they find. */
-START_TEST(super_samples_leave_the_mean_alone)
+LOOP_TEST(super_samples_leave_the_mean_alone, 3)
 {
     static const char scene[] =
         "void glow g 0 0 4 1 1 1 0\n"
@@ -189,7 +186,6 @@ START_TEST(super_samples_leave_the_mean_alone)
     ck_assert_uint_ge(rays, row[_i].least * TIMES);
     ck_assert_uint_le(rays, row[_i].most * TIMES);
 }
-END_TEST
 
 /* --- the cache --- */
 
@@ -223,7 +219,7 @@ find(double x, double y, double z, int level, double weight, struct rad_rgb *E)
     return rad_ambient_find(w.job->ambient, &at, E, &counts, &rays);
 }
 
-START_TEST(record_serves_its_zone_and_no_more)
+TEST(record_serves_its_zone_and_no_more)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
     struct rad_rgb E = { 0, 0, 0 };
@@ -254,11 +250,10 @@ START_TEST(record_serves_its_zone_and_no_more)
     ck_assert(find(-.5, .2, -.5, 1, 1, &E) == 0);
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 2);
 }
-END_TEST
 
 /* Where one record serves, others that do not quite reach are averaged in, but
  * where deeper rays end. */
-START_TEST(near_records_are_averaged_in)
+TEST(near_records_are_averaged_in)
 {
     world_open(&w, PLASTIC CUBE, CACHED);
     for (int level = 0; level < 2; level++) {
@@ -276,9 +271,8 @@ START_TEST(near_records_are_averaged_in)
         ck_assert_double_eq_tol(E.r, level == 0 ? 2.05 : 2, 1e-5);
     }
 }
-END_TEST
 
-START_TEST(other_side_is_not_served)
+TEST(other_side_is_not_served)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
     struct rad_rgb E = { 7, 7, 7 };
@@ -289,9 +283,8 @@ START_TEST(other_side_is_not_served)
     ck_assert(find(.1, .2, -.5, 0, 1, &E) == 0);
     ck_assert_double_eq(E.r, 7); /* untouched */
 }
-END_TEST
 
-START_TEST(gradients_extrapolate_and_are_bounded)
+TEST(gradients_extrapolate_and_are_bounded)
 {
     struct rad_ambrec rec = record(0, 0, -.5, 1, 0);
     struct rad_rgb E;
@@ -306,10 +299,9 @@ START_TEST(gradients_extrapolate_and_are_bounded)
     ck_assert(find(0, -.03, -.5, 0, 1, &E) > 0);
     ck_assert_double_eq_tol(E.r, 2.8, 1e-5);
 }
-END_TEST
 
 /* What a broken or hostile worker might send; each row spoils one thing. */
-START_TEST(implausible_record_is_refused)
+LOOP_TEST(implausible_record_is_refused, 23)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
 
@@ -346,10 +338,9 @@ START_TEST(implausible_record_is_refused)
     ck_assert(!rad_ambient_covers(w.job->ambient, &rec));
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 0);
 }
-END_TEST
 
 /* Of no known variance, of one that a single ray rules, of the sky's glint. */
-START_TEST(plausible_records_are_taken)
+TEST(plausible_records_are_taken)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
 
@@ -362,10 +353,9 @@ START_TEST(plausible_records_are_taken)
     ck_assert(rad_ambient_insert(w.job->ambient, &rec));
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 3);
 }
-END_TEST
 
 /* The log has all records in order, the drain those made here. */
-START_TEST(log_gives_each_record_once)
+TEST(log_gives_each_record_once)
 {
     enum { N = 1000 };
     static struct rad_ambrec out[N];
@@ -393,7 +383,6 @@ START_TEST(log_gives_each_record_once)
     ck_assert_uint_eq(rad_ambient_drain(w.job->ambient, out, N), made - 1);
     ck_assert_uint_eq(rad_ambient_drain(w.job->ambient, out, N), 0);
 }
-END_TEST
 
 /* The light that a glow in the ceiling sends, interpolated, against the same
  * sampled anew with many rays. */
@@ -404,7 +393,7 @@ END_TEST
 
 /* -ar bounds the radius of a zone, but where light bends within that it may be
  * down to half as long. */
-START_TEST(bent_light_gets_zones_below_the_bound)
+TEST(bent_light_gets_zones_below_the_bound)
 {
     struct rad_ambrec rec;
     uint64_t cursor = 0;
@@ -421,7 +410,6 @@ START_TEST(bent_light_gets_zones_below_the_bound)
     ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
     ck_assert_double_ge(rec.radius[0], .9999 * bound);
 }
-END_TEST
 
 /* below the glow's edge; on the floor; in a corner */
 static const double sampled_at[][3] = { { .3, 0, .75 },
@@ -429,7 +417,7 @@ static const double sampled_at[][3] = { { .3, 0, .75 },
                                         { .8, .9, -.9 } };
 
 /* A room in a scene 1024 times as large has the zones that it has alone. */
-START_TEST(surroundings_leave_zones_alone)
+LOOP_TEST(surroundings_leave_zones_alone, N_ELEM(sampled_at))
 {
     static const char *const far[] = {
         "", "white polygon a 0 0 9 1024 1024 1024 1024 1023 1024 1024 1024 "
@@ -458,11 +446,10 @@ START_TEST(surroundings_leave_zones_alone)
         ck_assert_float_eq_tol(rec[1].radius[k], rec[0].radius[k],
                                1e-4f * rec[0].radius[k]);
 }
-END_TEST
 
 /* Two lamps in a room are two bright places, though the scene's grid has them
  * in one cell, and some records lie far away. */
-START_TEST(surroundings_leave_bright_places_apart)
+TEST(surroundings_leave_bright_places_apart)
 {
     static const float lamp[2][3] = { { 900.5f, 700.5f, 2 },
                                       { 901.5f, 700.5f, 2 } };
@@ -484,9 +471,8 @@ START_TEST(surroundings_leave_bright_places_apart)
     ck_assert(rad_ambient_settle(w.job->ambient));
     ck_assert_uint_eq(rad_ambient_view(w.job->ambient, 0)->bright.n, 2);
 }
-END_TEST
 
-START_TEST(interpolation_is_close_to_sampling)
+TEST(interpolation_is_close_to_sampling)
 {
     struct world cached = { 0 }, sampled = { 0 };
     double sum2 = 0;
@@ -513,11 +499,10 @@ START_TEST(interpolation_is_close_to_sampling)
     world_close(&cached);
     world_close(&sampled);
 }
-END_TEST
 
 /* A bounce takes three quarters of the samples, and no record is made for a
  * place that one serves. */
-START_TEST(deep_records_take_fewer_samples)
+TEST(deep_records_take_fewer_samples)
 {
     enum { MOST = 4096 };
     static struct rad_ambrec out[MOST];
@@ -538,11 +523,10 @@ START_TEST(deep_records_take_fewer_samples)
     }
     ck_assert_uint_eq(rays, w.ctx.counts.ambient_rays);
 }
-END_TEST
 
 /* Where a frozen cache has nothing at all, a picture's place samples for itself
  * alone, and so does what each of its rays meets, by few rays. */
-START_TEST(what_a_frozen_cache_lacks_takes_few_samples)
+TEST(what_a_frozen_cache_lacks_takes_few_samples)
 {
     double E;
 
@@ -555,11 +539,10 @@ START_TEST(what_a_frozen_cache_lacks_takes_few_samples)
     ck_assert_uint_le(w.ctx.counts.ambient_rays, 49 + 49 * 9 + 49 * 9 * 4);
     ck_assert_uint_gt(w.ctx.counts.ambient_rays, 49 + 49 * 4);
 }
-END_TEST
 
 /* So it is where a check samples the place afresh: with a record's own rays,
  * but few for what each of these meets. */
-START_TEST(a_check_takes_few_samples_of_what_is_lacking)
+TEST(a_check_takes_few_samples_of_what_is_lacking)
 {
     world_open(&w, ROOM, "-ab 3 -aa .3 -ar 16 -ad 128 -as 0 -av 0 0 0");
     rad_ambient_freeze(w.job->ambient);
@@ -569,11 +552,10 @@ START_TEST(a_check_takes_few_samples_of_what_is_lacking)
     ck_assert_uint_le(w.ctx.counts.ambient_rays, 128 + 128 * 9 + 128 * 9 * 4);
     ck_assert_uint_gt(w.ctx.counts.ambient_rays, 100 + 100 * 4);
 }
-END_TEST
 
 /* Two rooms that share a floor, one dark; the cache is filled in the lit one,
  * right up to the wall. */
-START_TEST(no_light_leaks_through_a_wall)
+TEST(no_light_leaks_through_a_wall)
 {
     static const char scene[] =
         ROOM "white polygon wall 0 0 12 .5 -1 -1 .5 -1 1 .5 1 1 .5 1 -1\n";
@@ -585,7 +567,6 @@ START_TEST(no_light_leaks_through_a_wall)
         ck_assert_double_eq(
             irradiance_up(&w, .501 + .02 * (i % 4), -.9 + .09 * i, -.99).g, 0);
 }
-END_TEST
 
 /* The same through which a thousandth of the light comes, straight on: rays of
  * the hemispheres pass it. */
@@ -594,7 +575,7 @@ static const char *const dark_pane[] = {
     "void trans pane 0 0 7 .5 .5 .5 0 0 .002 1\n",
 };
 
-START_TEST(no_light_leaks_through_a_dark_pane)
+LOOP_TEST(no_light_leaks_through_a_dark_pane, N_ELEM(dark_pane))
 {
     char scene[2000];
     double lit;
@@ -612,11 +593,10 @@ START_TEST(no_light_leaks_through_a_dark_pane)
         ck_assert_double_lt((double)irradiance_up(&w, x, y, -.99).g, .01 * lit);
     }
 }
-END_TEST
 
 /* The same of deep records of a frozen cache, of which those that need a ray to
  * find out what stands before them are left out where others serve. */
-START_TEST(deep_records_need_few_tests_for_walls)
+TEST(deep_records_need_few_tests_for_walls)
 {
     static const char scene[] =
         ROOM "white polygon wall 0 0 12 .5 -1 -1 .5 -1 1 .5 1 1 .5 1 -1\n";
@@ -654,10 +634,9 @@ START_TEST(deep_records_need_few_tests_for_walls)
         ck_assert(!rad_ambient_serves(&w.ctx, &at));
     }
 }
-END_TEST
 
 /* Too bright to be summed: black, counted, and not kept. */
-START_TEST(infinite_irradiance_is_not_kept)
+TEST(infinite_irradiance_is_not_kept)
 {
     world_open(&w,
                "void glow g 0 0 4 3e38 3e38 3e38 0\n"
@@ -667,10 +646,9 @@ START_TEST(infinite_irradiance_is_not_kept)
     ck_assert_uint_gt(w.ctx.counts.unsound_rays, 0);
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 0);
 }
-END_TEST
 
 /* The same room in other units, by powers of two: the same bits. */
-START_TEST(units_do_not_matter)
+TEST(units_do_not_matter)
 {
     static const double scale[] = { 1, 0x1p-17, 0x1p20 };
     struct rad_rgb first[20];
@@ -714,7 +692,6 @@ START_TEST(units_do_not_matter)
         ck_assert_uint_eq(w.ctx.counts.ambient_values, values);
     }
 }
-END_TEST
 
 /* --- threads --- */
 
@@ -771,7 +748,7 @@ join(struct worker *worker)
         pthread_join(worker[i].thread, NULL);
 }
 
-START_TEST(threads_lose_no_record)
+TEST(threads_lose_no_record)
 {
     static struct rad_ambrec out[THREADS * PER_THREAD + 1];
     struct worker worker[THREADS];
@@ -792,7 +769,6 @@ START_TEST(threads_lose_no_record)
                       0);
     }
 }
-END_TEST
 
 static void *
 trace_points(void *arg)
@@ -818,7 +794,7 @@ trace_points(void *arg)
 }
 
 /* Eight render threads, and this one in the loop thread's part. */
-START_TEST(threads_share_what_they_sample)
+TEST(threads_share_what_they_sample)
 {
     static struct rad_ambrec out[64];
     struct worker worker[THREADS];
@@ -846,10 +822,9 @@ START_TEST(threads_share_what_they_sample)
     ck_assert_uint_eq(drained, made);
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), made + 1000);
 }
-END_TEST
 
 /* One thread alone always makes the same records. */
-START_TEST(one_thread_is_deterministic)
+TEST(one_thread_is_deterministic)
 {
     struct rad_rgb first[50];
 
@@ -864,62 +839,4 @@ START_TEST(one_thread_is_deterministic)
             ck_assert_mem_eq(&E, &first[i], sizeof E);
         }
     }
-}
-END_TEST
-
-static Suite *
-make_suite(void)
-{
-    Suite *s = suite_create("ambient");
-    TCase *tc = tcase_create("hemisphere");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_set_timeout(tc, 600); /* for busy machines */
-    tcase_add_loop_test(tc, even_sky_gives_pi_times_its_radiance, 0, 5);
-    tcase_add_loop_test(tc, textures_lean_where_cells_are_many, 0, 2);
-    tcase_add_loop_test(tc, furnace_loses_the_reflectance_at_each_bounce, 0, 2);
-    tcase_add_test(tc, roulette_leaves_the_mean_alone);
-    tcase_add_loop_test(tc, lists_say_which_surfaces_get_ambient_light, 0,
-                        2 * N_ELEM(listed));
-    tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 3);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("cache");
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_set_timeout(tc, 600);
-    tcase_add_test(tc, record_serves_its_zone_and_no_more);
-    tcase_add_test(tc, near_records_are_averaged_in);
-    tcase_add_test(tc, other_side_is_not_served);
-    tcase_add_test(tc, gradients_extrapolate_and_are_bounded);
-    tcase_add_loop_test(tc, implausible_record_is_refused, 0, 23);
-    tcase_add_test(tc, plausible_records_are_taken);
-    tcase_add_test(tc, log_gives_each_record_once);
-    tcase_add_test(tc, bent_light_gets_zones_below_the_bound);
-    tcase_add_loop_test(tc, surroundings_leave_zones_alone, 0,
-                        N_ELEM(sampled_at));
-    tcase_add_test(tc, surroundings_leave_bright_places_apart);
-    tcase_add_test(tc, interpolation_is_close_to_sampling);
-    tcase_add_test(tc, deep_records_take_fewer_samples);
-    tcase_add_test(tc, what_a_frozen_cache_lacks_takes_few_samples);
-    tcase_add_test(tc, a_check_takes_few_samples_of_what_is_lacking);
-    tcase_add_test(tc, no_light_leaks_through_a_wall);
-    tcase_add_loop_test(tc, no_light_leaks_through_a_dark_pane, 0,
-                        N_ELEM(dark_pane));
-    tcase_add_test(tc, deep_records_need_few_tests_for_walls);
-    tcase_add_test(tc, infinite_irradiance_is_not_kept);
-    tcase_add_test(tc, units_do_not_matter);
-    tcase_add_test(tc, one_thread_is_deterministic);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("threads");
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_set_timeout(tc, 600);
-    tcase_add_test(tc, threads_lose_no_record);
-    tcase_add_test(tc, threads_share_what_they_sample);
-    suite_add_tcase(s, tc);
-    return s;
-}
-
-int
-main(void)
-{
-    return unit_run(make_suite());
 }

@@ -22,7 +22,7 @@ served(int first, int n)
     return s;
 }
 
-START_TEST(pixels_share_what_serves_in_both)
+TEST(pixels_share_what_serves_in_both)
 {
     for (int n = 1; n <= 16; n++)
         for (int apart = 0; apart <= 20; apart++) {
@@ -33,10 +33,9 @@ START_TEST(pixels_share_what_serves_in_both)
             ck_assert_double_eq_tol(rad_ambserving_common(&b, &a), both, 1e-12);
         }
 }
-END_TEST
 
 /* Two surfaces in a pixel, behind glass: each has its part of the light. */
-START_TEST(shares_go_by_light)
+TEST(shares_go_by_light)
 {
     struct rad_ambserving a = served(0, 2), b = served(1, 1);
 
@@ -48,11 +47,10 @@ START_TEST(shares_go_by_light)
     ck_assert_double_eq_tol(rad_ambserving_common(&a, &b), .5 / sqrt(9.5),
                             1e-12);
 }
-END_TEST
 
 /* A hemisphere's noise is that of its pixel alone, and what nothing lights has
  * none. */
-START_TEST(hemispheres_are_not_shared)
+TEST(hemispheres_are_not_shared)
 {
     struct rad_ambserving a = { .n = 0 }, b = { .n = 0 }, dark = served(0, 1);
 
@@ -64,9 +62,8 @@ START_TEST(hemispheres_are_not_shared)
     dark.v[0].share = 0;
     ck_assert_double_eq(rad_ambserving_common(&dark, &dark), 0);
 }
-END_TEST
 
-START_TEST(what_has_no_room_is_left_out)
+TEST(what_has_no_room_is_left_out)
 {
     struct rad_ambserving a = served(0, 2 * RAD_AMBSERVING_MOST), b;
 
@@ -75,17 +72,4 @@ START_TEST(what_has_no_room_is_left_out)
     ck_assert_int_eq(a.n, RAD_AMBSERVING_MOST);
     b = served(0, RAD_AMBSERVING_MOST);
     ck_assert_double_eq_tol(rad_ambserving_common(&a, &b), 1, 1e-12);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("ambserving");
-
-    tcase_add_test(tc, pixels_share_what_serves_in_both);
-    tcase_add_test(tc, shares_go_by_light);
-    tcase_add_test(tc, hemispheres_are_not_shared);
-    tcase_add_test(tc, what_has_no_room_is_left_out);
-    return unit_run_case(tc);
 }

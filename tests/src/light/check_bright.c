@@ -119,8 +119,10 @@ set_cells(struct rad_contrast *cell, int changed, double times)
     rad_contrast_share(cell, SIDE);
 }
 
+FIXTURE(NULL, world_tear_down)
+
 /* What a cell drew changes others' shares, and not its own. */
-START_TEST(a_cell_has_no_say_in_its_share)
+TEST(a_cell_has_no_say_in_its_share)
 {
     struct rad_contrast a[SIDE * SIDE], b[SIDE * SIDE];
     double sum = 0;
@@ -138,11 +140,10 @@ START_TEST(a_cell_has_no_say_in_its_share)
     ck_assert_double_gt(sum, 1);
     ck_assert_double_lt(sum, 1.2);
 }
-END_TEST
 
 /* Where the samples are all the same, and nothing is known, nothing is shared
  * out. */
-START_TEST(even_cells_have_no_share)
+TEST(even_cells_have_no_share)
 {
     struct rad_contrast cell[SIDE * SIDE] = { { 0 } };
 
@@ -152,7 +153,6 @@ START_TEST(even_cells_have_no_share)
     for (int k = 0; k < SIDE * SIDE; k++)
         ck_assert(cell[k].share == 0);
 }
-END_TEST
 
 /* The same of the disk with those options, and how many rays that took. */
 static struct found
@@ -169,7 +169,7 @@ sample_disk(const char *options, const struct rad_bright *b, uint64_t *rays)
 /* With places and without, the mean of many samplings is the closed form: what
  * a cell draws has no say in how many rays it gets.  With them there is a third
  * of the noise, for the same rays; and the noise that is said is that found. */
-START_TEST(rays_to_bright_places_leave_the_mean_alone)
+TEST(rays_to_bright_places_leave_the_mean_alone)
 {
     double E = disk_irradiance();
     struct found blind, guided;
@@ -186,10 +186,9 @@ START_TEST(rays_to_bright_places_leave_the_mean_alone)
     ck_assert_double_gt(blind.said, .7 * blind.sd);
     ck_assert_double_lt(blind.said, 1.5 * blind.sd);
 }
-END_TEST
 
 /* So it is where all that records saw is in one cell of the grid. */
-START_TEST(one_place_is_looked_at_too)
+TEST(one_place_is_looked_at_too)
 {
     const double org[3] = { -29, -29.5, -30 };
     struct rad_glint glint[64];
@@ -207,7 +206,6 @@ START_TEST(one_place_is_looked_at_too)
                             4 * guided.sd / sqrt(4000));
     ck_assert_double_lt(guided.sd, blind.sd / 3);
 }
-END_TEST
 
 /* The disk is a small part of a cell.  With a few rays of a guide the mean is
  * the closed form, and the noise that is said is that found, wherever the guide
@@ -215,7 +213,7 @@ END_TEST
  * is a quarter of the noise. */
 static const double moved[] = { 0, RADIUS, 3 * RADIUS };
 
-START_TEST(a_guide_leaves_the_mean_of_few_cells_alone)
+LOOP_TEST(a_guide_leaves_the_mean_of_few_cells_alone, N_ELEM(moved))
 {
     struct found blind, guided;
     uint64_t rays[2];
@@ -232,11 +230,10 @@ START_TEST(a_guide_leaves_the_mean_of_few_cells_alone)
     ck_assert_double_gt(guided.said, .7 * guided.sd);
     ck_assert_double_lt(guided.said, 1.5 * guided.sd);
 }
-END_TEST
 
 /* Nothing is there any more where records saw something: rays are lost, and
  * the mean is as it was. */
-START_TEST(places_that_are_not_seen_do_no_harm)
+TEST(places_that_are_not_seen_do_no_harm)
 {
     struct rad_glint glint[64];
     struct found f;
@@ -250,9 +247,8 @@ START_TEST(places_that_are_not_seen_do_no_harm)
     f = sample_many(&b);
     ck_assert_double_eq_tol(f.mean, disk_irradiance(), 4 * f.sd / sqrt(4000));
 }
-END_TEST
 
-START_TEST(glints_near_each_other_are_one_place)
+TEST(glints_near_each_other_are_one_place)
 {
     struct rad_glint glint[4] = { glint_at(1, 2, 3, 10),
                                   glint_at(1.01, 2.01, 3, 30),
@@ -270,9 +266,8 @@ START_TEST(glints_near_each_other_are_one_place)
     gather(&b, glint + 3, 1);
     ck_assert_uint_eq(b.n, 0);
 }
-END_TEST
 
-START_TEST(most_chosen_places_are_kept)
+TEST(most_chosen_places_are_kept)
 {
     enum { N = 3 * RAD_BRIGHT_MOST };
     static struct rad_glint glint[2 * N];
@@ -287,11 +282,10 @@ START_TEST(most_chosen_places_are_kept)
     for (size_t i = 0; i < b.n; i++)
         ck_assert_int_eq((int)lrint((b.place[i].p[0] + 4.5) / .3) % 3, 0);
 }
-END_TEST
 
 /* The record of a room with a sun patch keeps a glint on it; one beneath an
  * even sky keeps none. */
-START_TEST(records_keep_what_is_far_above_their_mean)
+LOOP_TEST(records_keep_what_is_far_above_their_mean, 2)
 {
     static const char *const scene[] = {
         disk_scene, "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n"
@@ -320,25 +314,4 @@ START_TEST(records_keep_what_is_far_above_their_mean)
         ck_assert(hypot((double)g.p[0] - ASIDE, (double)g.p[1]) <
                   RADIUS + 1e-4);
     }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("bright");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_set_timeout(tc, 60);
-    tcase_add_test(tc, a_cell_has_no_say_in_its_share);
-    tcase_add_test(tc, even_cells_have_no_share);
-    tcase_add_test(tc, rays_to_bright_places_leave_the_mean_alone);
-    tcase_add_test(tc, one_place_is_looked_at_too);
-    tcase_add_loop_test(tc, a_guide_leaves_the_mean_of_few_cells_alone, 0,
-                        N_ELEM(moved));
-    tcase_add_test(tc, places_that_are_not_seen_do_no_harm);
-    tcase_add_test(tc, glints_near_each_other_are_one_place);
-    tcase_add_test(tc, most_chosen_places_are_kept);
-    tcase_add_loop_test(tc, records_keep_what_is_far_above_their_mean, 0, 2);
-    return unit_run_case(tc);
 }

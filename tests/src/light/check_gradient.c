@@ -14,7 +14,7 @@ static const double quad[] = { -1, -.5, 1, 2, -.3, 1.2, 1.5, 2, 2, -.4, 1, .8 };
 
 /* Central differences of the closed form; step and tolerance balance their own
  * rounding. */
-START_TEST(edge_slopes_match_differences)
+LOOP_TEST(edge_slopes_match_differences, 3)
 {
     static const double place[][3] = { { 0, 0, 0 },
                                        { 3, -1, .2 },
@@ -59,9 +59,8 @@ START_TEST(edge_slopes_match_differences)
             }
         }
 }
-END_TEST
 
-START_TEST(eigenvector_belongs_to_the_larger_value)
+TEST(eigenvector_belongs_to_the_larger_value)
 {
     static const double m[][3] = { { 2, 0, 1 },   { 1, 0, -2 }, { 1, 3, -2 },
                                    { 0, 1, 0 },   { -5, 2, 1 }, { 4, 0, 4 },
@@ -78,7 +77,6 @@ START_TEST(eigenvector_belongs_to_the_larger_value)
         ck_assert_double_eq_tol(value[0] + value[1], m[i][0] + m[i][2], 1e-12);
     }
 }
-END_TEST
 
 /* --- gradients of a made-up sampling --- */
 
@@ -125,7 +123,7 @@ disk_irradiance(double x)
     return lambert_disk(1, x, 1);
 }
 
-START_TEST(gradient_of_a_disk_matches_the_closed_form)
+LOOP_TEST(gradient_of_a_disk_matches_the_closed_form, 3)
 {
     static const double offset[] = { .3, .8, 1.5 };
     double x = offset[_i], step = 1e-3;
@@ -149,10 +147,9 @@ START_TEST(gradient_of_a_disk_matches_the_closed_form)
     ck_assert_msg(fabs(g.hess[0] - want2 / E) < .15 * fabs(want / E) + .15,
                   "%g, not %g", g.hess[0], want2 / E);
 }
-END_TEST
 
 /* A black disk before a bright background is the complement. */
-START_TEST(gradient_sees_what_an_occluder_hides)
+TEST(gradient_sees_what_an_occluder_hides)
 {
     struct rad_gradients g, g1;
     struct rad_hemi h;
@@ -169,7 +166,6 @@ START_TEST(gradient_sees_what_an_occluder_hides)
     rad_hemi_gradients(&h, &g1);
     ck_assert_double_eq_tol(g1.move[0] * h.E.g / 2, -dE, .1 * fabs(dE));
 }
-END_TEST
 
 /* A hemisphere that sees a far sky of radiance 1, and before it in the
  * direction (x, y) a black wall, .25 high and 1.4 wide, at a distance of 1: so
@@ -207,7 +203,7 @@ wall_irradiance(double x)
 
 /* What only the outermost cells meet, as houses are from afar, counts as well:
  * else its zone would reach from a plain into the houses. */
-START_TEST(gradient_sees_what_stands_at_the_horizon)
+LOOP_TEST(gradient_sees_what_stands_at_the_horizon, 4)
 {
     static const double to[][2] = { { 1, 0 }, { 0, 1 }, { -1, 0 }, { 0, -1 } };
     const double *d = to[_i], step = 1e-3;
@@ -227,11 +223,10 @@ START_TEST(gradient_sees_what_stands_at_the_horizon)
                   g.hess[hess], bend);
     ck_assert_double_eq_tol(g.move[!axis], 0, .1 * fabs(slope));
 }
-END_TEST
 
 /* One sample of a lamp that is hardly ever met brightens a record, but must not
  * make its zone much larger. */
-START_TEST(rare_bright_sample_leaves_the_zone_alone)
+TEST(rare_bright_sample_leaves_the_zone_alone)
 {
     struct rad_gradients plain, bright;
     struct rad_hemi h;
@@ -244,11 +239,10 @@ START_TEST(rare_bright_sample_leaves_the_zone_alone)
     ck_assert(fabs(bright.hess[0]) > .7 * fabs(plain.hess[0]));
     ck_assert(fabs(bright.hess[2]) > .7 * fabs(plain.hess[2]));
 }
-END_TEST
 
 /* What a lone ray meets before the dark is in no triangle; behind what is near
  * it is in six. */
-START_TEST(lone_light_before_the_dark_is_overlooked)
+TEST(lone_light_before_the_dark_is_overlooked)
 {
     enum { LONE = SIDE * SIDE / 2 + SIDE / 2 };
     struct rad_gradients g;
@@ -268,9 +262,8 @@ START_TEST(lone_light_before_the_dark_is_overlooked)
     ck_assert(g.overlooked == 0);
     ck_assert(g.hess[0] != 0 && g.hess[2] != 0);
 }
-END_TEST
 
-START_TEST(uniform_surrounding_has_no_gradient)
+TEST(uniform_surrounding_has_no_gradient)
 {
     struct rad_gradients g;
     struct rad_hemi h;
@@ -283,11 +276,10 @@ START_TEST(uniform_surrounding_has_no_gradient)
     ck_assert_double_eq_tol(g.turn[0], 0, 1e-6);
     ck_assert_double_eq_tol(g.turn[1], 0, 1e-6);
 }
-END_TEST
 
 /* Half the sky bright, x > 0: turning the normal about y by da toward +x gives
  * E = pi/2 (1 + sin da). */
-START_TEST(turning_toward_the_light_brightens)
+TEST(turning_toward_the_light_brightens)
 {
     struct rad_gradients g;
     struct rad_hemi h;
@@ -302,22 +294,4 @@ START_TEST(turning_toward_the_light_brightens)
      * cells' middles miss a tenth of it */
     ck_assert_double_eq_tol(g.turn[1], 1, .12);
     ck_assert_double_eq_tol(g.turn[0], 0, 1e-6);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("gradient");
-
-    tcase_add_loop_test(tc, edge_slopes_match_differences, 0, 3);
-    tcase_add_test(tc, eigenvector_belongs_to_the_larger_value);
-    tcase_add_loop_test(tc, gradient_of_a_disk_matches_the_closed_form, 0, 3);
-    tcase_add_test(tc, gradient_sees_what_an_occluder_hides);
-    tcase_add_loop_test(tc, gradient_sees_what_stands_at_the_horizon, 0, 4);
-    tcase_add_test(tc, rare_bright_sample_leaves_the_zone_alone);
-    tcase_add_test(tc, lone_light_before_the_dark_is_overlooked);
-    tcase_add_test(tc, uniform_surrounding_has_no_gradient);
-    tcase_add_test(tc, turning_toward_the_light_brightens);
-    return unit_run_case(tc);
 }

@@ -61,7 +61,9 @@ from_ball(double x)
 
 static const char *const pretest[] = { "-dp 0", "-dp 512" };
 
-START_TEST(wall_doubles_a_lamp_in_its_colour)
+FIXTURE(NULL, world_tear_down)
+
+LOOP_TEST(wall_doubles_a_lamp_in_its_colour, N_ELEM(pretest))
 {
     struct rad_rgb E;
 
@@ -71,20 +73,18 @@ START_TEST(wall_doubles_a_lamp_in_its_colour)
     near(E.g, from_ball(0) + .4 * from_ball(2));
     near(E.b, from_ball(0) + .2 * from_ball(2));
 }
-END_TEST
 
 /* As where a scene includes a luminaire with its reflector twice. */
-START_TEST(mirrors_in_one_place_relay_as_one)
+LOOP_TEST(mirrors_in_one_place_relay_as_one, 2)
 {
     const char *scene = BALL GOLD "gold " EAST "gold " EAST "gold " EAST;
 
     near(light_of(scene, pretest[_i]), from_ball(0) + .8 * from_ball(2));
     ck_assert_int_eq(images_of(scene, pretest[_i]), 1);
 }
-END_TEST
 
 /* A wall in the mirror's place, from another corner on; and facing away. */
-START_TEST(what_covers_a_mirror_ends_its_image)
+LOOP_TEST(what_covers_a_mirror_ends_its_image, 2)
 {
     const char *over =
         BALL GOLD "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
@@ -98,19 +98,17 @@ START_TEST(what_covers_a_mirror_ends_its_image)
     near(light_of(over, pretest[_i]), from_ball(0));
     near(light_of(back, pretest[_i]), from_ball(0) + .8 * from_ball(2));
 }
-END_TEST
 
-START_TEST(no_relay_no_image)
+TEST(no_relay_no_image)
 {
     near(light_of(BALL GOLD "gold " EAST, "-dr 0"), from_ball(0));
     ck_assert_int_eq(images_of(BALL GOLD "gold " EAST, "-dr 0"), 0);
     ck_assert_int_eq(
         images_of(BALL "void metal m 0 0 5 1 1 1 1 0 m " EAST, "-dr 9"), 0);
 }
-END_TEST
 
 /* Images stand at x = 2, 4, 6, ... on both sides. */
-START_TEST(facing_mirrors_relay_as_often_as_told)
+LOOP_TEST(facing_mirrors_relay_as_often_as_told, N_ELEM(pretest))
 {
     const char *scene = BALL GOLD GREY "gold " EAST "grey " WEST;
     double truth = from_ball(0), gold = 1, grey = 1;
@@ -127,7 +125,6 @@ START_TEST(facing_mirrors_relay_as_often_as_told)
         ck_assert_int_eq(images_of(scene, options), 2 * n);
     }
 }
-END_TEST
 
 /* Each blocker, beside the straight way down, and what is left of the image. */
 static const struct {
@@ -151,7 +148,7 @@ static const struct {
     { "void trans p 0 0 7 1 1 1 0 0 .5 1\np sphere s 0 0 4 .5 0 1.5 .1", .25 },
 };
 
-START_TEST(image_is_shaded_on_each_stretch)
+LOOP_TEST(image_is_shaded_on_each_stretch, N_ELEM(blocker))
 {
     char scene[1024];
 
@@ -161,7 +158,6 @@ START_TEST(image_is_shaded_on_each_stretch)
         near(light_of(scene, pretest[i]),
              from_ball(0) + .8 * blocker[_i].share * from_ball(2));
 }
-END_TEST
 
 /* Upright panes at x, and one that lies at z, over what matters. */
 #define PANE(x)                                                                \
@@ -201,7 +197,8 @@ static const struct {
 };
 
 /* A pattern that is 1 changes nothing, but rays are made where it is. */
-START_TEST(plain_panes_dim_as_those_that_take_rays)
+LOOP_TEST(plain_panes_dim_as_those_that_take_rays,
+          N_ELEM(panes) * N_ELEM(pretest))
 {
     int row = _i / N_ELEM(pretest);
     char scene[2048], options[64];
@@ -224,10 +221,9 @@ START_TEST(plain_panes_dim_as_those_that_take_rays)
     ck_assert_double_eq_tol(E[0].b, E[1].b, 1e-6 * (double)E[1].b + 1e-30);
     ck_assert_int_eq(E[0].g > 0, strcmp(panes[row].glass, "3 0 0 0") != 0);
 }
-END_TEST
 
 /* A box about the lamp, open below. */
-START_TEST(pretest_drops_what_never_arrives)
+TEST(pretest_drops_what_never_arrives)
 {
     const char *scene =
         BALL GOLD "gold " SMALL "void plastic p 0 0 5 .5 .5 .5 0 0\n"
@@ -238,12 +234,11 @@ START_TEST(pretest_drops_what_never_arrives)
     near(light_of(scene, "-dp 512"), from_ball(0));
     near(light_of(scene, "-dp 0"), from_ball(0));
 }
-END_TEST
 
 /* Where all of the image was found in view, only the stretch to the mirror is
  * tested. */
 /* Geometry leaves it out, so no ray of a test would meet it. */
-START_TEST(what_is_nowhere_shows_nothing)
+TEST(what_is_nowhere_shows_nothing)
 {
     ck_assert_int_eq(images_of(LAMP SUN GOLD
                                "gold polygon vast 0 0 9 1 .2 .5 1 -.2 -1e307 "
@@ -252,9 +247,8 @@ START_TEST(what_is_nowhere_shows_nothing)
                                ""),
                      0);
 }
-END_TEST
 
-START_TEST(pretest_saves_rays)
+TEST(pretest_saves_rays)
 {
     uint64_t rays[2];
 
@@ -266,10 +260,9 @@ START_TEST(pretest_saves_rays)
     ck_assert_uint_eq(rays[0], 3);
     ck_assert_uint_eq(rays[1], 2);
 }
-END_TEST
 
 /* Behind the mirror there is no image, and before its edge it ends. */
-START_TEST(image_is_seen_in_the_mirror_alone)
+TEST(image_is_seen_in_the_mirror_alone)
 {
     static const double behind[3] = { 1.5, 0, 0 }, off[3] = { 0, 0, -1 };
 
@@ -285,10 +278,9 @@ START_TEST(image_is_seen_in_the_mirror_alone)
     near(irradiance(origin, up).r, from_ball(0) + .8 * from_ball(2));
     near(irradiance(off, up).r, BALL_FLUX / 9); /* it would be at .5 */
 }
-END_TEST
 
 /* The sun, 30 degrees from the zenith, off a mirror on the floor. */
-START_TEST(distant_light_is_relayed)
+LOOP_TEST(distant_light_is_relayed, N_ELEM(pretest))
 {
     static const double down[3] = { 0, 0, -1 }, p[3] = { 0, 0, 3 };
     const char *scene = "void light sun 0 0 3 1e4 1e4 1e4\n"
@@ -300,7 +292,6 @@ START_TEST(distant_light_is_relayed)
     near(irradiance(p, down).r, .8 * 1e4 * omega * .8660254);
     near(irradiance(p, up).r, 1e4 * omega * .8660254);
 }
-END_TEST
 
 /* A panel that shines at the wall alone lights the floor as its image would,
  * in as many parts, and a spotlight too. */
@@ -316,7 +307,7 @@ static const struct {
       "cylinder l 0 0 7 2 0 2 1.5 0 2.2 .1" },
 };
 
-START_TEST(image_lights_as_the_lamp_itself_would)
+LOOP_TEST(image_lights_as_the_lamp_itself_would, N_ELEM(pair))
 {
     static const double p[3] = { -.5, .2, 0 };
     bool flat = pair[_i].lamp[0] != 'c';
@@ -338,11 +329,10 @@ START_TEST(image_lights_as_the_lamp_itself_would)
     }
     near(seen, real);
 }
-END_TEST
 
 /* A cone of 60 degrees toward the wall, which meets the floor from x = -1.46
  * beyond it on: the origin is in the dark, -2.5 is not. */
-START_TEST(spotlight_stays_in_its_mirrored_cone)
+LOOP_TEST(spotlight_stays_in_its_mirrored_cone, N_ELEM(pretest))
 {
     const char *scene = "void spotlight spot 0 0 7 100 100 100 60 1 0 0\n"
                         "spot ring l 0 0 8 0 0 2 1 0 0 0 .01\n"
@@ -356,9 +346,8 @@ START_TEST(spotlight_stays_in_its_mirrored_cone)
     E = 100 * M_PI * 1e-4 * (4.5 / d) / ((d + 1) * (d + 1)) * (2 / d);
     ck_assert_double_eq_tol(irradiance(lit, up).r, E, 1e-4 * E);
 }
-END_TEST
 
-START_TEST(glow_reaches_by_way_of_mirrors)
+TEST(glow_reaches_by_way_of_mirrors)
 {
     const char *form = "void glow g 0 0 4 100 100 100 %g\n"
                        "g sphere ball 0 0 4 0 0 2 .01\n"
@@ -370,10 +359,9 @@ START_TEST(glow_reaches_by_way_of_mirrors)
     snprintf(scene, sizeof scene, form, 2.8);
     near(light_of(scene, ""), from_ball(0));
 }
-END_TEST
 
 /* What the eye sees is the other material, lit by lamp, not mirror. */
-START_TEST(another_material_in_its_place_still_relays)
+TEST(another_material_in_its_place_still_relays)
 {
     struct rad_rgb L;
 
@@ -393,9 +381,8 @@ START_TEST(another_material_in_its_place_still_relays)
     near(irradiance(origin, up).r, from_ball(0) + .8 * from_ball(2));
     near(world_see(&w, 0, 0, 0, 1, 0, 0).r, 7);
 }
-END_TEST
 
-START_TEST(illum_may_be_a_mirror)
+TEST(illum_may_be_a_mirror)
 {
     const char *scene = BALL "void mirror m 0 0 3 .8 .8 .8\n"
                              "void illum i 1 m 0 3 0 0 0\ni " EAST;
@@ -403,9 +390,8 @@ START_TEST(illum_may_be_a_mirror)
     for (int i = 0; i < N_ELEM(pretest); i++)
         near(light_of(scene, pretest[i]), from_ball(0) + .8 * from_ball(2));
 }
-END_TEST
 
-START_TEST(mirror_shows_what_is_before_it)
+TEST(mirror_shows_what_is_before_it)
 {
     struct rad_ray r;
 
@@ -427,9 +413,8 @@ START_TEST(mirror_shows_what_is_before_it)
                "-bv-");
     near(world_see(&w, 2, 0, 0, -1, 0, 0).r, 7); /* or not there */
 }
-END_TEST
 
-START_TEST(scale_changes_nothing)
+LOOP_TEST(scale_changes_nothing, 3)
 {
     static const double scale[] = { 1e-6, 1, 1e6 };
     double s = scale[_i], a = 99 * s;
@@ -442,50 +427,4 @@ START_TEST(scale_changes_nothing)
              2 * s, .01 * s, s, -a, -a, s, -a, a, s, a, a, s, a, -a);
     for (int i = 0; i < N_ELEM(pretest); i++)
         near(light_of(scene, pretest[i]), from_ball(0) + .8 * from_ball(2));
-}
-END_TEST
-
-static Suite *
-make_suite(void)
-{
-    Suite *s = suite_create("mirror");
-    TCase *tc = tcase_create("relayed light");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_add_loop_test(tc, wall_doubles_a_lamp_in_its_colour, 0,
-                        N_ELEM(pretest));
-    tcase_add_loop_test(tc, mirrors_in_one_place_relay_as_one, 0, 2);
-    tcase_add_loop_test(tc, what_covers_a_mirror_ends_its_image, 0, 2);
-    tcase_add_test(tc, no_relay_no_image);
-    tcase_add_loop_test(tc, facing_mirrors_relay_as_often_as_told, 0,
-                        N_ELEM(pretest));
-    tcase_add_loop_test(tc, image_is_shaded_on_each_stretch, 0,
-                        N_ELEM(blocker));
-    tcase_add_loop_test(tc, plain_panes_dim_as_those_that_take_rays, 0,
-                        N_ELEM(panes) * N_ELEM(pretest));
-    tcase_add_test(tc, pretest_drops_what_never_arrives);
-    tcase_add_test(tc, what_is_nowhere_shows_nothing);
-    tcase_add_test(tc, pretest_saves_rays);
-    tcase_add_test(tc, image_is_seen_in_the_mirror_alone);
-    tcase_add_loop_test(tc, distant_light_is_relayed, 0, N_ELEM(pretest));
-    tcase_add_loop_test(tc, image_lights_as_the_lamp_itself_would, 0,
-                        N_ELEM(pair));
-    tcase_add_loop_test(tc, spotlight_stays_in_its_mirrored_cone, 0,
-                        N_ELEM(pretest));
-    tcase_add_test(tc, glow_reaches_by_way_of_mirrors);
-    tcase_add_test(tc, another_material_in_its_place_still_relays);
-    tcase_add_test(tc, illum_may_be_a_mirror);
-    tcase_add_loop_test(tc, scale_changes_nothing, 0, 3);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("material");
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_add_test(tc, mirror_shows_what_is_before_it);
-    suite_add_tcase(s, tc);
-    return s;
-}
-
-int
-main(void)
-{
-    return unit_run(make_suite());
 }

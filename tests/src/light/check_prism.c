@@ -74,8 +74,10 @@ with(int i, const char *more)
 
 /* --- what is seen --------------------------------------------------------- */
 
+FIXTURE(NULL, world_tear_down)
+
 /* A sky whose radiance is 2 plus its direction's x. */
-START_TEST(rays_go_on_as_the_functions_say)
+LOOP_TEST(rays_go_on_as_the_functions_say, 11)
 {
     static const struct {
         const char *prism;
@@ -103,13 +105,12 @@ START_TEST(rays_go_on_as_the_functions_say)
     L = world_see(&w, 0, 0, 2, 0, 0, -1);
     ck_assert_double_eq_tol(L.g, seen[_i].expect, 1e-6);
 }
-END_TEST
 
 /* --- light ---------------------------------------------------------------- */
 
 /* Straight down from the ball to the pane's middle, then aside by .75 for each
  * 1 down: the image is as high as the ball, .75 to the other side. */
-START_TEST(lamp_is_seen_where_its_light_seems_to_come_from)
+LOOP_TEST(lamp_is_seen_where_its_light_seems_to_come_from, N_ELEM(pretest))
 {
     static const char *scene =
         BALL "void prism1 p 5 .6 x y z f.cal 0 1 .75\n" LEVEL;
@@ -127,12 +128,11 @@ START_TEST(lamp_is_seen_where_its_light_seems_to_come_from)
     ck_assert_double_eq(light_at(scene, with(_i, DIRECT), 0, 1.5, -1), 0);
     ck_assert_double_eq(light_at(scene, with(_i, DIRECT " -dr 0"), 0, 0, 1), 0);
 }
-END_TEST
 
 /* Two ways, two images. */
 /* A glow of that reach instead: it is as far as its image, not as it is from
  * the unbent place, (x - .75, 0, 0). */
-START_TEST(glow_reaches_along_the_bent_way)
+LOOP_TEST(glow_reaches_along_the_bent_way, N_ELEM(pretest))
 {
     char scene[400];
 
@@ -151,9 +151,8 @@ START_TEST(glow_reaches_along_the_bent_way)
                     light_at(scene, with(_i, DIRECT), x, 0, 1), expect, 1e-8);
         }
 }
-END_TEST
 
-START_TEST(prism2_has_two_images)
+LOOP_TEST(prism2_has_two_images, N_ELEM(pretest))
 {
     static const char *scene =
         BALL "void prism2 p 9 .5 x y z .25 x2 y z f.cal 0 1 .75\n" LEVEL;
@@ -163,10 +162,9 @@ START_TEST(prism2_has_two_images)
         light_at(scene, with(_i, DIRECT), 1, 0, 1),
         2 * BALL_FLUX * (.5 * pow(a, -1.5) + .25 * pow(b, -1.5)), 1e-8);
 }
-END_TEST
 
 /* What comes back lights the lamp's own side: the image is below the pane. */
-START_TEST(light_may_come_back)
+LOOP_TEST(light_may_come_back, N_ELEM(pretest))
 {
     static const char *scene =
         BALL "void prism1 p 5 .6 x y zback f.cal 0 1 .75\n" LEVEL;
@@ -176,10 +174,9 @@ START_TEST(light_may_come_back)
                             .6 * BALL_FLUX / d2 * 1.5 / sqrt(d2), 1e-8);
     ck_assert_double_eq(light_at(scene, with(_i, DIRECT), 0, .5, 1), 0);
 }
-END_TEST
 
 /* A sun of .5 degrees: its image has its size, in the bent direction. */
-START_TEST(sun_is_bent)
+LOOP_TEST(sun_is_bent, N_ELEM(pretest))
 {
     static const char *scene =
         "void light s 0 0 3 1e4 1e4 1e4 s source sun 0 0 4 0 0 1 .5\n"
@@ -189,10 +186,9 @@ START_TEST(sun_is_bent)
     ck_assert_double_eq_tol(light_at(scene, with(_i, DIRECT), .5, 0, 1),
                             .6 * E / sqrt(1 + .75 * .75), 1e-6 * E);
 }
-END_TEST
 
 /* A pane that turns nothing lets light through, dimmed. */
-START_TEST(straight_prism_dims_alone)
+LOOP_TEST(straight_prism_dims_alone, N_ELEM(pretest))
 {
     static const char *scene = BALL "void prism1 p 5 .6 Dx Dy Dz . 0 0\n" LEVEL;
 
@@ -203,11 +199,10 @@ START_TEST(straight_prism_dims_alone)
                                 .6 * BALL_FLUX / d2 * 2 / sqrt(d2), 1e-8);
     }
 }
-END_TEST
 
 /* A lamp that looks down, .02 wide: its area counts by its bent normal, which
  * is that of the direction (.75, 0, -1), and by the distance of the image. */
-START_TEST(flat_lamp_keeps_its_area)
+LOOP_TEST(flat_lamp_keeps_its_area, N_ELEM(pretest))
 {
     static const char *scene =
         LAMP "lit polygon panel 0 0 12 -.01 -.01 2 -.01 .01 2 .01 .01 2 "
@@ -220,11 +215,10 @@ START_TEST(flat_lamp_keeps_its_area)
                             .6 * 100 * 4e-4 / d2 * cos_lamp * 2 / sqrt(d2),
                             1e-8);
 }
-END_TEST
 
 /* From the ball to a mirror in the plane x = 1, from there at (2, 0, 2) to the
  * pane's middle, bent by .5; and all of it the other way round. */
-START_TEST(prism_and_mirror_relay_each_other)
+LOOP_TEST(prism_and_mirror_relay_each_other, N_ELEM(pretest))
 {
     static const char *scene =
         BALL "void mirror m 0 0 3 .5 .5 .5\n"
@@ -241,9 +235,8 @@ START_TEST(prism_and_mirror_relay_each_other)
         light_at(scene, with(_i, "-av 0 0 0 -dj 0 -dt 0 -ds 0 -dr 2"), x, 0, 1),
         expect, 1e-7);
 }
-END_TEST
 
-START_TEST(what_is_in_the_way_casts_its_shadow)
+LOOP_TEST(what_is_in_the_way_casts_its_shadow, N_ELEM(pretest))
 {
     static const char *const blocker[] = {
         "k ring above 0 0 8 0 0 1.5 0 0 1 0 9\n",
@@ -259,10 +252,9 @@ START_TEST(what_is_in_the_way_casts_its_shadow)
         ck_assert_double_eq(light_at(scene, with(_i, DIRECT), 0, 0, 1), 0);
     }
 }
-END_TEST
 
 /* Nothing comes of these. */
-START_TEST(no_light_no_image)
+LOOP_TEST(no_light_no_image, N_ELEM(pretest))
 {
     static const char *const none[] = {
         "void prism1 p 5 0 x y z f.cal 0 1 .75\n" LEVEL,
@@ -280,7 +272,6 @@ START_TEST(no_light_no_image)
         ck_assert_int_eq(images_of(scene, with(_i, DIRECT)), 0);
     }
 }
-END_TEST
 
 static const struct {
     const char *text, *message;
@@ -291,36 +282,7 @@ static const struct {
     { "void prism1 p 5 1 0 0 1 g.cal 0 0\n" LEVEL, "no file 'g.cal'" },
 };
 
-START_TEST(bad_arguments_are_refused)
+LOOP_TEST(bad_arguments_are_refused, N_ELEM(bad))
 {
     world_refused(bad[_i].text, "", &files, bad[_i].message);
-}
-END_TEST
-
-int
-main(void)
-{
-    Suite *s = suite_create("prism");
-    TCase *tc = tcase_create("material");
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    int n = N_ELEM(pretest);
-
-    tcase_add_loop_test(tc, rays_go_on_as_the_functions_say, 0, 11);
-    tcase_add_loop_test(tc, bad_arguments_are_refused, 0, N_ELEM(bad));
-    suite_add_tcase(s, tc);
-    tc = tcase_create("images");
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_add_loop_test(tc, lamp_is_seen_where_its_light_seems_to_come_from, 0,
-                        n);
-    tcase_add_loop_test(tc, glow_reaches_along_the_bent_way, 0, n);
-    tcase_add_loop_test(tc, prism2_has_two_images, 0, n);
-    tcase_add_loop_test(tc, light_may_come_back, 0, n);
-    tcase_add_loop_test(tc, sun_is_bent, 0, n);
-    tcase_add_loop_test(tc, straight_prism_dims_alone, 0, n);
-    tcase_add_loop_test(tc, flat_lamp_keeps_its_area, 0, n);
-    tcase_add_loop_test(tc, prism_and_mirror_relay_each_other, 0, n);
-    tcase_add_loop_test(tc, what_is_in_the_way_casts_its_shadow, 0, n);
-    tcase_add_loop_test(tc, no_light_no_image, 0, n);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
 }

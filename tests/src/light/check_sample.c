@@ -28,6 +28,8 @@ teardown(void)
     rad_arena_release(&arena);
 }
 
+FIXTURE(setup, teardown)
+
 static void
 make_light(struct rad_source *src, enum rad_otype type, const double *reals,
            int nreals)
@@ -125,7 +127,7 @@ static const double place[][3] = {
     { 0, 0, 0 }, { .7, -.4, 0 }, { 3, 1, 0 }, { 0, 0, -8 }, { -1, 5, 1 },
 };
 
-START_TEST(divided_polygon_gives_the_closed_form)
+LOOP_TEST(divided_polygon_gives_the_closed_form, N_ELEM(polygon))
 {
     struct rad_source src;
 
@@ -141,9 +143,8 @@ START_TEST(divided_polygon_gives_the_closed_form)
                       polygon[_i].name, k, got, want);
     }
 }
-END_TEST
 
-START_TEST(jittered_polygon_gives_the_closed_form_in_the_mean)
+LOOP_TEST(jittered_polygon_gives_the_closed_form_in_the_mean, N_ELEM(polygon))
 {
     struct rad_source src;
 
@@ -156,10 +157,9 @@ START_TEST(jittered_polygon_gives_the_closed_form_in_the_mean)
                       polygon[_i].name, k, got, want);
     }
 }
-END_TEST
 
 /* Undivided, a polygon counts as a small one at its middle, as in rpict. */
-START_TEST(undivided_polygon_is_one_sample_at_its_middle)
+TEST(undivided_polygon_is_one_sample_at_its_middle)
 {
     struct rad_source src;
     int samples;
@@ -173,9 +173,8 @@ START_TEST(undivided_polygon_is_one_sample_at_its_middle)
     ck_assert_double_eq_tol(irradiance(&src, place[2], up, 0, &samples),
                             4 * 4 / (d2 * d2), 1e-12);
 }
-END_TEST
 
-START_TEST(aims_are_on_the_light)
+TEST(aims_are_on_the_light)
 {
     struct rad_source src;
     const struct rad_polytree *t;
@@ -192,7 +191,6 @@ START_TEST(aims_are_on_the_light)
                 rad_polytree_has(t->kid[k], t->kid[k]->m.aim, src.normal));
     }
 }
-END_TEST
 
 /* Rings about the z axis that face down at height h, seen from (x, 0, 0) with
  * the normal up. */
@@ -203,7 +201,7 @@ static const struct {
     { .9, 1, .3, 1.5 }, { .5, 1, 2, 1 },  { 0, .01, 1, 5 }, { 0, 1, 0, 1 },
 };
 
-START_TEST(divided_ring_gives_the_closed_form)
+LOOP_TEST(divided_ring_gives_the_closed_form, N_ELEM(ring))
 {
     double h = ring[_i].h, p[3] = { ring[_i].x, 0, 2 - h };
     double a[8] = { 0, 0, 2, 0, 0, -3, ring[_i].r0, ring[_i].r1 };
@@ -218,11 +216,10 @@ START_TEST(divided_ring_gives_the_closed_form)
     got = irradiance_jittered(&src, p, up, .5, 100000);
     ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
 }
-END_TEST
 
 /* A sphere above the horizon gives pi r^2/d^2 cos, exactly (a disk seen from
  * outside is as good); with and without jitter, and at any -ds. */
-START_TEST(sphere_gives_the_closed_form)
+TEST(sphere_gives_the_closed_form)
 {
     static const double a[] = { 1, 0, 3, 1.5 };
     const double p[3] = { 0, 0, 0 };
@@ -236,11 +233,10 @@ START_TEST(sphere_gives_the_closed_form)
                             2e-3 * want);
     ck_assert_double_eq(irradiance(&src, a, up, 0, NULL), 0);
 }
-END_TEST
 
 /* A thin cylinder along x at height h, centred above the point: the integral
  * of 2 r h^2 / d^4 over its length. */
-START_TEST(cylinder_gives_the_closed_form)
+TEST(cylinder_gives_the_closed_form)
 {
     double L = 3, r = 5e-4, h = 2;
     double a[7] = { -L, 0, h, L, 0, h, r };
@@ -255,7 +251,6 @@ START_TEST(cylinder_gives_the_closed_form)
     got = irradiance_jittered(&src, p, up, .5, 20000);
     ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
 }
-END_TEST
 
 /* A thick cylinder, from beside it and from beyond its end: what it sends to a
  * floor below, by the midpoint rule over its surface. */
@@ -264,7 +259,7 @@ static const double thick[][3] = {
     { 6, -2, -1 },  { 0, .2, 1.39 }, { 1.3, 0, 1.3 },
 };
 
-START_TEST(thick_cylinder_is_exact)
+LOOP_TEST(thick_cylinder_is_exact, N_ELEM(thick))
 {
     double a[7] = { -1, 0, 2, 1, 0, 2, .6 }, E = 0;
     const double *p = thick[_i];
@@ -288,7 +283,6 @@ START_TEST(thick_cylinder_is_exact)
     ck_assert_double_eq_tol(irradiance_jittered(&src, p, up, .5, 50000), E,
                             1e-2 * E);
 }
-END_TEST
 
 /* Jittered aims, seen from straight below, are even about the middle of the
  * light whatever -dj, and reach about as far as -dj says. */
@@ -323,7 +317,7 @@ sum_place(void *arg, const struct rad_light_sample *s)
     sum[3]++;
 }
 
-START_TEST(jitter_is_even_about_the_middle)
+LOOP_TEST(jitter_is_even_about_the_middle, N_ELEM(jittered))
 {
     struct rad_light_view view = { .jitter = jittered[_i].jitter };
     double sum[4] = { 0 };
@@ -339,7 +333,6 @@ START_TEST(jitter_is_even_about_the_middle)
     ck_assert_double_eq_tol(sum[2] / sum[3], jittered[_i].spread,
                             .02 * jittered[_i].spread);
 }
-END_TEST
 
 /* How many parts rpict makes of a parallelogram, or of a square of the same
  * area for a disk or hexagon, seen from p: halves until each side is below -ds
@@ -383,7 +376,7 @@ static const struct {
 };
 
 /* From half the lamp's width to 20 times it, in all directions. */
-START_TEST(flux_is_exact_with_no_more_samples_than_a_square_takes)
+LOOP_TEST(flux_is_exact_with_no_more_samples_than_a_square_takes, N_ELEM(lamp))
 {
     struct rad_source src;
     double worst = 0, u[3] = { 0, 0, 0 }, v[3] = { 0, 0, 0 };
@@ -417,11 +410,10 @@ START_TEST(flux_is_exact_with_no_more_samples_than_a_square_takes)
     }
     ck_assert_double_le(worst, 1e-4);
 }
-END_TEST
 
 /* Where -ds asks for few parts of a lamp that is near, or for one, they have
  * all of its flux: but for what the expansion of small ones leaves out. */
-START_TEST(few_parts_of_a_near_parallelogram_have_its_flux)
+LOOP_TEST(few_parts_of_a_near_parallelogram_have_its_flux, 2)
 {
     static const double near[][3] = {
         { 0, 0, 1.9 }, { .7, -.4, 1.5 }, { -.9, .9, 1.99 }, { 3, 1, 1.9 }
@@ -438,10 +430,9 @@ START_TEST(few_parts_of_a_near_parallelogram_have_its_flux)
                           "%g, not %g, at %d by -ds %g", got, want, k, ds);
         }
 }
-END_TEST
 
 /* Next to the edge the outline's chords would be off, on either side of it. */
-START_TEST(disk_next_to_its_edge_has_its_flux)
+LOOP_TEST(disk_next_to_its_edge_has_its_flux, 2)
 {
     double a[8] = { 0, 0, 2, 0, 0, -1, _i ? .5 : 0, 1 };
     struct rad_light_view view = { .sizerat = 10, .up = up };
@@ -461,10 +452,9 @@ START_TEST(disk_next_to_its_edge_has_its_flux)
                       want, q);
     }
 }
-END_TEST
 
 /* The middle of a ring with a hole is no place to aim at. */
-START_TEST(undivided_ring_is_aimed_at)
+TEST(undivided_ring_is_aimed_at)
 {
     double a[8] = { 0, 0, 2, 0, 0, -1, .5, 1 };
     const double p[3] = { 0, 0, 0 };
@@ -480,7 +470,6 @@ START_TEST(undivided_ring_is_aimed_at)
     rad_light_samples(&src, &view, sum_place, sum);
     ck_assert(sum[2] > .25 && sum[2] < 1); /* its squared radius */
 }
-END_TEST
 
 static void
 aim_is_up(void *arg, const struct rad_light_sample *s)
@@ -492,7 +481,7 @@ aim_is_up(void *arg, const struct rad_light_sample *s)
 /* Lamps that stand across the horizon: what is above it, by the midpoint rule
  * for a disk and a ring, and by Lambert's formula for what is above of a
  * triangle.  The aims are above it too. */
-START_TEST(what_is_below_the_horizon_gives_nothing)
+LOOP_TEST(what_is_below_the_horizon_gives_nothing, 3)
 {
     struct rad_light_view view = { .sizerat = .2, .up = up };
     double r0 = _i == 1 ? .6 : 0;
@@ -527,9 +516,8 @@ START_TEST(what_is_below_the_horizon_gives_nothing)
             ck_assert_double_eq_tol(m.E, fabs(E), 1e-3 * fabs(E));
         }
 }
-END_TEST
 
-START_TEST(flat_light_has_a_dark_side)
+TEST(flat_light_has_a_dark_side)
 {
     static const double behind[3] = { 0, 0, 3 }, in_plane[3] = { 3, 0, 2 };
     const double down[3] = { 0, 0, -1 };
@@ -542,10 +530,9 @@ START_TEST(flat_light_has_a_dark_side)
     irradiance(&src, in_plane, down, 0, &samples);
     ck_assert_int_eq(samples, 0);
 }
-END_TEST
 
 /* Lengths in any unit: the same numbers. */
-START_TEST(scale_changes_nothing)
+TEST(scale_changes_nothing)
 {
     static const double scale[] = { 1e-6, 1, 1e9 };
     double v[30], p[3], first = 0;
@@ -563,9 +550,8 @@ START_TEST(scale_changes_nothing)
         ck_assert_double_eq_tol(E, first, 1e-9 * first);
     }
 }
-END_TEST
 
-START_TEST(spot_keeps_to_its_cone)
+TEST(spot_keeps_to_its_cone)
 {
     /* 60 degrees about straight down, focus 2 behind */
     static const double a[7] = { 1, 1, 1, 60, 0, 0, -2 };
@@ -584,9 +570,8 @@ START_TEST(spot_keeps_to_its_cone)
     ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 0, 0, 0, 1 }));
     ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 9, 0, 0, 0 }));
 }
-END_TEST
 
-START_TEST(what_a_cone_cannot_light_is_known_early)
+TEST(what_a_cone_cannot_light_is_known_early)
 {
     static const double a[7] = { 1, 1, 1, 60, .3, 0, -2 };
     struct rad_source src;
@@ -608,9 +593,8 @@ START_TEST(what_a_cone_cannot_light_is_known_early)
     ck_assert_int_gt(lit, 500);
     ck_assert_int_lt(lit, 2500);
 }
-END_TEST
 
-START_TEST(no_area_and_cones_are_no_light)
+TEST(no_area_and_cones_are_no_light)
 {
     struct rad_object o = { .type = RAD_POLYGON,
                             .modifier = RAD_VOID,
@@ -625,41 +609,4 @@ START_TEST(no_area_and_cones_are_no_light)
     o.nreals = 8;
     o.reals = (double[]){ 0, 0, 0, 0, 0, 1, 2, 1 };
     ck_assert_int_eq(rad_light_shape(&src, &o, &arena), RAD_EDATA);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("samples");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_checked_fixture(tc, setup, teardown);
-    tcase_add_loop_test(tc, divided_polygon_gives_the_closed_form, 0,
-                        N_ELEM(polygon));
-    tcase_add_loop_test(tc, jittered_polygon_gives_the_closed_form_in_the_mean,
-                        0, N_ELEM(polygon));
-    tcase_add_test(tc, undivided_polygon_is_one_sample_at_its_middle);
-    tcase_add_test(tc, aims_are_on_the_light);
-    tcase_add_loop_test(tc, divided_ring_gives_the_closed_form, 0,
-                        N_ELEM(ring));
-    tcase_add_test(tc, sphere_gives_the_closed_form);
-    tcase_add_test(tc, cylinder_gives_the_closed_form);
-    tcase_add_loop_test(tc, thick_cylinder_is_exact, 0, N_ELEM(thick));
-    tcase_add_loop_test(tc, jitter_is_even_about_the_middle, 0,
-                        N_ELEM(jittered));
-    tcase_add_loop_test(tc, few_parts_of_a_near_parallelogram_have_its_flux, 0,
-                        2);
-    tcase_add_loop_test(tc, disk_next_to_its_edge_has_its_flux, 0, 2);
-    tcase_add_loop_test(tc,
-                        flux_is_exact_with_no_more_samples_than_a_square_takes,
-                        0, N_ELEM(lamp));
-    tcase_add_test(tc, undivided_ring_is_aimed_at);
-    tcase_add_loop_test(tc, what_is_below_the_horizon_gives_nothing, 0, 3);
-    tcase_add_test(tc, flat_light_has_a_dark_side);
-    tcase_add_test(tc, scale_changes_nothing);
-    tcase_add_test(tc, spot_keeps_to_its_cone);
-    tcase_add_test(tc, what_a_cone_cannot_light_is_known_early);
-    tcase_add_test(tc, no_area_and_cones_are_no_light);
-    return unit_run_case(tc);
 }

@@ -168,7 +168,7 @@ walled(const double p[3], const float n[3])
 
 /* --- tests --- */
 
-START_TEST(noise_falls_and_the_mean_stays)
+LOOP_TEST(noise_falls_and_the_mean_stays, 2)
 {
     static field *const fields[] = { plane, bowl };
     struct off raw, less;
@@ -187,9 +187,8 @@ START_TEST(noise_falls_and_the_mean_stays)
         ck_assert(value[i].var > 0 && value[i].var < NOISE * NOISE);
     }
 }
-END_TEST
 
-START_TEST(slopes_are_the_fields)
+TEST(slopes_are_the_fields)
 {
     double sum[2] = { 0, 0 };
 
@@ -201,10 +200,9 @@ START_TEST(slopes_are_the_fields)
     ck_assert_double_eq_tol(sum[0], .5, .05);
     ck_assert_double_eq_tol(sum[1], -.3, .05);
 }
-END_TEST
 
 /* Where nothing is in doubt nothing moves, whatever the field. */
-START_TEST(what_has_no_noise_stays)
+TEST(what_has_no_noise_stays)
 {
     lay_out(bowl, 0);
     for (int i = 0; i < N; i++)
@@ -217,7 +215,6 @@ START_TEST(what_has_no_noise_stays)
     for (int i = 0; i < N; i++)
         ck_assert(memcmp(value[i].E, place[i].E, sizeof place[i].E) == 0);
 }
-END_TEST
 
 static bool
 is_lit(const struct rad_smooth_place *at)
@@ -225,7 +222,7 @@ is_lit(const struct rad_smooth_place *at)
     return at->p[0] < .5;
 }
 
-START_TEST(nothing_leaks_through_a_wall)
+LOOP_TEST(nothing_leaks_through_a_wall, 2)
 {
     struct off raw, less;
 
@@ -245,11 +242,10 @@ START_TEST(nothing_leaks_through_a_wall)
             ck_assert_msg(value[i].E[1] <= 1.2e-3f * (float)_i, "%g at %g",
                           (double)value[i].E[1], place[i].p[0]);
 }
-END_TEST
 
 /* A place that the others do not know: as little noise, and they stay as they
  * are. */
-START_TEST(a_place_beside_is_as_good)
+TEST(a_place_beside_is_as_good)
 {
     struct rad_smooth_value v;
     double raw = 0, less = 0, mean = 0;
@@ -282,9 +278,8 @@ START_TEST(a_place_beside_is_as_good)
     }
     rad_smooth_free(s);
 }
-END_TEST
 
-START_TEST(faces_at_an_edge_are_apart)
+TEST(faces_at_an_edge_are_apart)
 {
     lay_out(plane, NOISE);
     for (int i = 0; i < N; i += 2) { /* every other one on a wall at x = 0 */
@@ -299,7 +294,6 @@ START_TEST(faces_at_an_edge_are_apart)
     for (int i = 0; i < N; i++)
         ck_assert(i % 2 ? value[i].E[1] < 2.2f : value[i].E[1] > 7);
 }
-END_TEST
 
 /* Lit a little more from below. */
 static double
@@ -314,7 +308,7 @@ is_below(const struct rad_smooth_place *at)
     return at->n[2] < 0;
 }
 
-START_TEST(sides_of_a_sheet_are_apart)
+TEST(sides_of_a_sheet_are_apart)
 {
     struct off raw, less;
 
@@ -331,11 +325,10 @@ START_TEST(sides_of_a_sheet_are_apart)
     ck_assert_double_lt(less.rms, .45 * raw.rms);
     ck_assert_double_lt(fabs(less.mean - raw.mean), .006);
 }
-END_TEST
 
 /* Places around a cylinder of radius .3, whose E changes as the normal turns,
  * and does not as the place moves. */
-START_TEST(round_surfaces_are_one)
+TEST(round_surfaces_are_one)
 {
     struct off raw, less;
     double moves = 0;
@@ -366,10 +359,9 @@ START_TEST(round_surfaces_are_one)
         moves -= (double)(value[i].gpos[0] * value[i].E[1] * place[i].u[0]) / N;
     ck_assert_double_eq_tol(moves, 0, .15);
 }
-END_TEST
 
 /* One ray has met a lamp; or there is a bright spot in truth. */
-START_TEST(what_one_ray_rules_makes_no_splotch)
+LOOP_TEST(what_one_ray_rules_makes_no_splotch, 2)
 {
     const int at = N / 2 + SIDE / 2;
     struct off rest;
@@ -387,7 +379,6 @@ START_TEST(what_one_ray_rules_makes_no_splotch)
         ck_assert_double_lt(rest.rms, .5 * NOISE);
     }
 }
-END_TEST
 
 /* Light that few hemispheres' rays find, each as much of it as there are others
  * that find none, over what all see: hardly any may be lost, in the mean of
@@ -399,7 +390,7 @@ static const struct {
     { .1, 1, .065 }, { .05, 1, .1 },
 };
 
-START_TEST(rare_light_is_not_lost)
+LOOP_TEST(rare_light_is_not_lost, N_ELEM(rare))
 {
     double before = 0, after = 0;
 
@@ -423,7 +414,6 @@ START_TEST(rare_light_is_not_lost)
     ck_assert_msg(fabs(after / before - 1) < rare[_i].lost, "%g of it",
                   after / before);
 }
-END_TEST
 
 static uint64_t
 looks_to_smooth(void)
@@ -436,7 +426,7 @@ looks_to_smooth(void)
 /* More in one point than a fit has room for, as a file or a broken worker may
  * bring them: each keeps what it has measured, and some ten times as many
  * others are looked at as usual, not hundreds of times as many. */
-START_TEST(places_in_one_point_are_left_alone)
+LOOP_TEST(places_in_one_point_are_left_alone, 2)
 {
     uint64_t usual, crowded;
 
@@ -450,7 +440,6 @@ START_TEST(places_in_one_point_are_left_alone)
         ck_assert(memcmp(value[i].E, place[i].E, sizeof place[i].E) == 0);
     ck_assert_uint_lt(crowded, 40 * usual);
 }
-END_TEST
 
 /* --- threads --- */
 
@@ -473,7 +462,7 @@ ask(void *arg)
     return NULL;
 }
 
-START_TEST(all_threads_see_the_same)
+TEST(all_threads_see_the_same)
 {
     static struct asker asker[4];
     static const uint32_t step[] = { 1, 1, 3, 1597 };
@@ -494,9 +483,8 @@ START_TEST(all_threads_see_the_same)
     }
     rad_smooth_free(s);
 }
-END_TEST
 
-START_TEST(few_places_are_left_alone)
+TEST(few_places_are_left_alone)
 {
     struct rad_smooth *s = smooth_of(0);
 
@@ -511,26 +499,4 @@ START_TEST(few_places_are_left_alone)
         ck_assert(memcmp(value[i].E, place[i].E, sizeof place[i].E) == 0);
     }
     rad_smooth_free(s);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *t = tcase_create("smooth");
-
-    tcase_add_loop_test(t, noise_falls_and_the_mean_stays, 0, 2);
-    tcase_add_test(t, slopes_are_the_fields);
-    tcase_add_test(t, what_has_no_noise_stays);
-    tcase_add_loop_test(t, nothing_leaks_through_a_wall, 0, 2);
-    tcase_add_test(t, a_place_beside_is_as_good);
-    tcase_add_test(t, faces_at_an_edge_are_apart);
-    tcase_add_test(t, sides_of_a_sheet_are_apart);
-    tcase_add_test(t, round_surfaces_are_one);
-    tcase_add_loop_test(t, rare_light_is_not_lost, 0, N_ELEM(rare));
-    tcase_add_loop_test(t, what_one_ray_rules_makes_no_splotch, 0, 2);
-    tcase_add_loop_test(t, places_in_one_point_are_left_alone, 0, 2);
-    tcase_add_test(t, all_threads_see_the_same);
-    tcase_add_test(t, few_places_are_left_alone);
-    return unit_run_case(t);
 }

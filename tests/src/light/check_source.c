@@ -38,7 +38,9 @@ irradiance_of(const char *text, const char *options, double x, double y,
     return irradiance_at(&w, x, y, z);
 }
 
-START_TEST(lamp_lights_and_counts_its_rays)
+FIXTURE(NULL, world_tear_down)
+
+TEST(lamp_lights_and_counts_its_rays)
 {
     world_open(&w, SQUARE_LAMP, DIRECT "-ds .2");
     ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0),
@@ -46,7 +48,6 @@ START_TEST(lamp_lights_and_counts_its_rays)
     ck_assert_uint_gt(w.ctx.counts.shadow_rays, 16);
     ck_assert_uint_ge(w.ctx.counts.rays, w.ctx.counts.shadow_rays);
 }
-END_TEST
 
 /* What is in the way: name, text, what passes. */
 static const struct {
@@ -88,7 +89,7 @@ static const struct {
       0 },
 };
 
-START_TEST(shadow_ray_meets)
+LOOP_TEST(shadow_ray_meets, N_ELEM(blocker))
 {
     char text[1024];
 
@@ -99,9 +100,8 @@ START_TEST(shadow_ray_meets)
     ck_assert_msg(fabs(E - blocker[_i].passes) < 2e-3, "%s: %g, not %g",
                   blocker[_i].name, E, blocker[_i].passes);
 }
-END_TEST
 
-START_TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere)
+TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere)
 {
     struct world bare = { 0 }, flush = { 0 };
 
@@ -121,7 +121,6 @@ START_TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere)
     world_close(&bare);
     world_close(&flush);
 }
-END_TEST
 
 /* The lamp's place, the same from another corner on, and facing up. */
 #define SAME_PLACE "0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
@@ -157,7 +156,7 @@ static const struct {
       1 },
 };
 
-START_TEST(a_lamp_and_what_covers_it_light_as_they_look)
+LOOP_TEST(a_lamp_and_what_covers_it_light_as_they_look, N_ELEM(double_lamp))
 {
     struct world one = { 0 };
     char text[512];
@@ -172,10 +171,9 @@ START_TEST(a_lamp_and_what_covers_it_light_as_they_look)
                         double_lamp[_i].times);
     world_close(&one);
 }
-END_TEST
 
 /* Half of the lamp is hidden: so is half of the light, near enough. */
-START_TEST(half_a_lamp_gives_a_penumbra)
+TEST(half_a_lamp_gives_a_penumbra)
 {
     static const char text[] = SQUARE_LAMP PLASTIC
         "white polygon plate 0 0 12 0 -9 1 9 -9 1 9 9 1 0 9 1\n";
@@ -184,10 +182,9 @@ START_TEST(half_a_lamp_gives_a_penumbra)
     ck_assert_double_eq_tol(irradiance_of(text, DIRECT "-ds .1", 0, 0, 0),
                             all / 2, .02 * all);
 }
-END_TEST
 
 /* A sun of half a degree and an even sky: the sun is sampled, the sky seen. */
-START_TEST(distant_lights_are_sampled_and_glows_are_seen)
+TEST(distant_lights_are_sampled_and_glows_are_seen)
 {
     static const char text[] =
         "void light sun 0 0 3 1e5 1e5 1e5\nsun source s 0 0 4 0 1 1 .5\n"
@@ -209,12 +206,11 @@ START_TEST(distant_lights_are_sampled_and_glows_are_seen)
                DIRECT);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 1, 1).b, 9);
 }
-END_TEST
 
 /* Degrees; of stars 1 - cos of half of that has few digits, or none. */
 static const double suns[] = { .5, 1e-3, 1e-5, 1e-6, 1e-7, 1e-9 };
 
-START_TEST(small_suns_are_as_bright_as_large_ones)
+LOOP_TEST(small_suns_are_as_bright_as_large_ones, N_ELEM(suns))
 {
     double radius = M_PI / 360 * suns[_i], omega = M_PI * radius * radius;
     char text[120];
@@ -227,9 +223,8 @@ START_TEST(small_suns_are_as_bright_as_large_ones)
             irradiance_of(text, "-ab 0 -av 0 0 0 -dj 1", x, 0, 0),
             10 / sqrt(113), 2e-3);
 }
-END_TEST
 
-START_TEST(glow_reaches_as_far_as_it_says)
+TEST(glow_reaches_as_far_as_it_says)
 {
     static const char text[] =
         "void glow g 0 0 4 1 1 1 3\n"
@@ -243,9 +238,8 @@ START_TEST(glow_reaches_as_far_as_it_says)
                                       DIRECT, 0, 0, 0),
                         0);
 }
-END_TEST
 
-START_TEST(spotlight_falls_off_from_its_focus)
+TEST(spotlight_falls_off_from_its_focus)
 {
     static const char text[] = "void spotlight s 0 0 7 9 9 9 40 0 0 -3\n"
                                "s ring r 0 0 8 0 0 2 0 0 -1 0 .1\n";
@@ -255,11 +249,10 @@ START_TEST(spotlight_falls_off_from_its_focus)
                             9 * area / 25, 1e-6);
     ck_assert_double_eq(irradiance_of(text, DIRECT, 1, 0, 0), 0);
 }
-END_TEST
 
 /* A disk that faces down, with an axis 6 degrees up: half of a wide cone leaves
  * its front. */
-START_TEST(spotlight_lights_what_of_its_cone_leaves_its_front)
+TEST(spotlight_lights_what_of_its_cone_leaves_its_front)
 {
     static const char text[] = "void spotlight s 0 0 7 9 9 9 160 1e-4 0 1e-5\n"
                                "s ring r 0 0 8 0 0 2 0 0 -1 0 .1\n";
@@ -269,11 +262,10 @@ START_TEST(spotlight_lights_what_of_its_cone_leaves_its_front)
                             9 * area * cosine * cosine / 13, 1e-4);
     ck_assert_double_eq(irradiance_of(text, DIRECT, -3, 0, 0), 0);
 }
-END_TEST
 
 /* With -dt, the weak ones of a hundred lamps are not tested, but estimated by
  * the visible share of those that were: here, all or nothing. */
-START_TEST(untested_lamps_count_as_the_tested_ones_are_seen)
+TEST(untested_lamps_count_as_the_tested_ones_are_seen)
 {
     char text[16384] = LAMP;
     size_t len = strlen(text);
@@ -293,7 +285,6 @@ START_TEST(untested_lamps_count_as_the_tested_ones_are_seen)
     ck_assert_double_eq(
         irradiance_of(text, "-ab 0 -dj 0 -dt .2 -dc .5", 5.1, 5.1, 0), 0);
 }
-END_TEST
 
 /* Sum of the irradiance at the origin, upwards, over so many samplings. */
 static struct rad_rgb
@@ -313,7 +304,7 @@ irradiance_sum(uint64_t key, uint64_t times)
 /* One lamp that the wall sees and 19 weaker ones that it does not: what -dt
  * leaves untested must not brighten the light that comes from the wall.  The
  * point itself sees none. */
-START_TEST(untested_lamps_leave_the_mean_alone)
+TEST(untested_lamps_leave_the_mean_alone)
 {
     static const char *const options[] = {
         "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 0",
@@ -343,11 +334,10 @@ START_TEST(untested_lamps_leave_the_mean_alone)
                       (double)sum[k].r / sum[0].r);
     }
 }
-END_TEST
 
 /* One strong lamp and 19 weak ones, of which every other is hidden: what -dt
  * leaves untested is right in the mean where the lamps shine, too. */
-START_TEST(untested_lamps_are_drawn)
+TEST(untested_lamps_are_drawn)
 {
     static const char *const options[] = { "-ab 0 -dt 0", "-ab 0 -dt 1 -dc 0" };
     char scene[2048] =
@@ -375,11 +365,10 @@ START_TEST(untested_lamps_are_drawn)
                       fabs(sum[1].b / sum[0].b - 1) < .01,
                   "%g times as bright", (double)sum[1].r / sum[0].r);
 }
-END_TEST
 
 /* A ceiling that a weak lamp lights, and a hundred times as strong one would if
  * there were no lid: rays of indirect light do not miss the weak one. */
-START_TEST(strong_lamp_that_is_hidden_makes_no_noise)
+TEST(strong_lamp_that_is_hidden_makes_no_noise)
 {
     static const char scene[] =
         PLASTIC "void light strong 0 0 3 40000 40000 40000\n"
@@ -404,10 +393,9 @@ START_TEST(strong_lamp_that_is_hidden_makes_no_noise)
     ck_assert_double_eq_tol(sum, exact, .01 * exact);
     ck_assert_double_lt(sqrt(sum2 - sum * sum), .15 * exact);
 }
-END_TEST
 
 /* What blocked the last ray may make a test shorter, never different. */
-START_TEST(memory_of_the_last_blocker_changes_nothing)
+TEST(memory_of_the_last_blocker_changes_nothing)
 {
     static const char text[] = SQUARE_LAMP PLASTIC
         "white sphere ball 0 0 4 .3 0 1 .4\nwhite sphere b2 0 0 4 -.6 0 1 .3\n";
@@ -430,9 +418,8 @@ START_TEST(memory_of_the_last_blocker_changes_nothing)
     world_close(&warm);
     world_close(&cold);
 }
-END_TEST
 
-START_TEST(illum_over_void_is_a_light_and_a_window)
+TEST(illum_over_void_is_a_light_and_a_window)
 {
     static const char text[] =
         "void illum i 0 0 3 2 2 2\n"
@@ -443,7 +430,6 @@ START_TEST(illum_over_void_is_a_light_and_a_window)
     ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0), 2, 1e-6);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 0, 1).g, 7);
 }
-END_TEST
 
 /* What faces inward is none, whatever its type is called. */
 static const struct {
@@ -456,7 +442,7 @@ static const struct {
     { "tube c 0 0 7 0 0 0 0 0 1 .5", "a tube cannot be a light" },
 };
 
-START_TEST(surface_cannot_be_a_light)
+LOOP_TEST(surface_cannot_be_a_light, N_ELEM(no_lamps))
 {
     char scene[256];
 
@@ -465,7 +451,6 @@ START_TEST(surface_cannot_be_a_light)
     ck_assert_str_eq(w.err.where, "test.rad:2");
     ck_assert_ptr_nonnull(strstr(w.err.what, no_lamps[_i].what));
 }
-END_TEST
 
 /* Equal radii make a cone a cylinder, and negative ones turn a cup, a tube and
  * a bubble inside out: lamps of these are the lamps that they are then. */
@@ -478,7 +463,7 @@ static const struct {
     { "bubble c 0 0 4 0 0 2 -.1", "sphere c 0 0 4 0 0 2 .1" },
 };
 
-START_TEST(lamp_is_what_its_radii_make_it)
+LOOP_TEST(lamp_is_what_its_radii_make_it, N_ELEM(meant))
 {
     char a[256], b[256];
 
@@ -488,10 +473,9 @@ START_TEST(lamp_is_what_its_radii_make_it)
     ck_assert_double_eq(irradiance_of(a, DIRECT "-ds .2", 0, 0, 0),
                         irradiance_of(b, DIRECT "-ds .2", 0, 0, 0));
 }
-END_TEST
 
 /* -0 is the same place as 0: xform writes it. */
-START_TEST(a_lamp_at_minus_zero_is_not_another)
+TEST(a_lamp_at_minus_zero_is_not_another)
 {
     const char *one = LAMP "bright ring a 0 0 8 0 0 2 0 0 -1 0 .5\n";
     const char *two = LAMP "bright ring a 0 0 8 0 0 2 0 0 -1 0 .5\n"
@@ -501,14 +485,13 @@ START_TEST(a_lamp_at_minus_zero_is_not_another)
     ck_assert_double_eq(irradiance_of(two, DIRECT, 0, 0, 0),
                         irradiance_of(one, DIRECT, 0, 0, 0));
 }
-END_TEST
 
 /* The parts of a lamp with a hole, whose seam begins at a corner that is there
  * twice. */
 #define RIM  "-1 1 2 1 1 2 1 -1 2 -1 -1 2 "
 #define HOLE "-.9 -.9 2 -.5 -.9 2 -.5 -.5 2 -.9 -.5 2 -.9 -.9 2 -1 -1 2 "
 
-START_TEST(a_lamp_with_a_hole_is_the_same_from_either_end_of_its_seam)
+TEST(a_lamp_with_a_hole_is_the_same_from_either_end_of_its_seam)
 {
     const char *one = LAMP "bright polygon a 0 0 30 " RIM HOLE "\n";
     const char *two = LAMP "bright polygon a 0 0 30 " RIM HOLE "\n"
@@ -518,7 +501,6 @@ START_TEST(a_lamp_with_a_hole_is_the_same_from_either_end_of_its_seam)
     ck_assert_double_eq(irradiance_of(two, DIRECT, 0, 0, 0),
                         irradiance_of(one, DIRECT, 0, 0, 0));
 }
-END_TEST
 
 /* A sensor over or on a desk, .02 thick, at height 1 below a lamp: alone, or in
  * a scene that is far from the origin, or much larger than the room. */
@@ -552,7 +534,7 @@ static const struct {
     { "white ring ground 0 0 8 0 0 0 0 0 1 0 1e6\n", 0, .9, 0 },
 };
 
-START_TEST(sensor_on_a_desk_sees_what_is_above_it)
+LOOP_TEST(sensor_on_a_desk_sees_what_is_above_it, N_ELEM(sensor))
 {
     const double x = sensor[_i].away, z = sensor[_i].height;
     double corner[12], E;
@@ -573,10 +555,9 @@ START_TEST(sensor_on_a_desk_sees_what_is_above_it)
         E, sensor[_i].seen * lambert(corner, 4, (double[]){ x, 0, z }, up),
         1e-3);
 }
-END_TEST
 
 /* ... however far the ground goes that it looks down at. */
-START_TEST(sensor_over_a_wide_ground_sees_it)
+TEST(sensor_over_a_wide_ground_sees_it)
 {
     static const double down[] = { 0, 0, -1 }, p[] = { 30, 5, 2 };
     struct rad_ray r;
@@ -588,11 +569,10 @@ START_TEST(sensor_over_a_wide_ground_sees_it)
     rad_ray_irradiance(&w.ctx, &r, p, down, 0);
     ck_assert_double_eq_tol((double)r.L.g, M_PI, 1e-3);
 }
-END_TEST
 
 /* A sensor exactly on a floor, which stands askew: lamps above the floor count,
  * those below it do not. */
-START_TEST(askew_sensor_on_a_floor_sees_nothing_below_it)
+TEST(askew_sensor_on_a_floor_sees_nothing_below_it)
 {
     static const double n[] = { .6, 0, .8 };
     struct rad_ray r;
@@ -605,41 +585,4 @@ START_TEST(askew_sensor_on_a_floor_sees_nothing_below_it)
         DIRECT "-ds .1");
     rad_ray_irradiance(&w.ctx, &r, origin, n, 0);
     ck_assert_double_eq_tol((double)r.L.g, lambert(square, 4, origin, n), 1e-3);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("shadows");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_add_test(tc, lamp_lights_and_counts_its_rays);
-    tcase_add_loop_test(tc, shadow_ray_meets, 0, N_ELEM(blocker));
-    tcase_add_test(tc, ceiling_flush_with_its_lamp_changes_nothing_anywhere);
-    tcase_add_loop_test(tc, a_lamp_and_what_covers_it_light_as_they_look, 0,
-                        N_ELEM(double_lamp));
-    tcase_add_test(tc, a_lamp_at_minus_zero_is_not_another);
-    tcase_add_test(tc,
-                   a_lamp_with_a_hole_is_the_same_from_either_end_of_its_seam);
-    tcase_add_test(tc, half_a_lamp_gives_a_penumbra);
-    tcase_add_test(tc, distant_lights_are_sampled_and_glows_are_seen);
-    tcase_add_loop_test(tc, small_suns_are_as_bright_as_large_ones, 0,
-                        N_ELEM(suns));
-    tcase_add_test(tc, glow_reaches_as_far_as_it_says);
-    tcase_add_test(tc, spotlight_falls_off_from_its_focus);
-    tcase_add_test(tc, spotlight_lights_what_of_its_cone_leaves_its_front);
-    tcase_add_test(tc, untested_lamps_count_as_the_tested_ones_are_seen);
-    tcase_add_test(tc, untested_lamps_leave_the_mean_alone);
-    tcase_add_test(tc, untested_lamps_are_drawn);
-    tcase_add_test(tc, strong_lamp_that_is_hidden_makes_no_noise);
-    tcase_add_test(tc, memory_of_the_last_blocker_changes_nothing);
-    tcase_add_test(tc, illum_over_void_is_a_light_and_a_window);
-    tcase_add_loop_test(tc, surface_cannot_be_a_light, 0, N_ELEM(no_lamps));
-    tcase_add_loop_test(tc, sensor_on_a_desk_sees_what_is_above_it, 0,
-                        N_ELEM(sensor));
-    tcase_add_test(tc, sensor_over_a_wide_ground_sees_it);
-    tcase_add_test(tc, askew_sensor_on_a_floor_sees_nothing_below_it);
-    tcase_add_loop_test(tc, lamp_is_what_its_radii_make_it, 0, N_ELEM(meant));
-    return unit_run_case(tc);
 }

@@ -18,7 +18,7 @@ draw_points(double (*p)[3])
             p[i][k] = rad_rand(5, 3 * i + k) * (k == 1 ? 2 : 1);
 }
 
-START_TEST(equal_shares_hold_as_many_points)
+TEST(equal_shares_hold_as_many_points)
 {
     static double p[POINTS][3];
     struct rad_parts *parts;
@@ -39,11 +39,10 @@ START_TEST(equal_shares_hold_as_many_points)
         ck_assert_int_le(abs(n[i] - POINTS / SHARES), 8);
     rad_parts_free(parts);
 }
-END_TEST
 
 /* An eighth of a box of sides 1, 2 and 1 has sides of a half and once of one,
  * or of a half: not a slice. */
-START_TEST(shares_are_compact)
+TEST(shares_are_compact)
 {
     static double p[POINTS][3];
     double lo[SHARES][3], hi[SHARES][3];
@@ -75,9 +74,8 @@ START_TEST(shares_are_compact)
     }
     rad_parts_free(parts);
 }
-END_TEST
 
-START_TEST(points_at_one_place_and_single_ones_have_a_place)
+TEST(points_at_one_place_and_single_ones_have_a_place)
 {
     static double same[100][3];
     double one[1][3] = { { 1, 2, 3 } };
@@ -89,16 +87,4 @@ START_TEST(points_at_one_place_and_single_ones_have_a_place)
     parts = rad_parts_new(one, 1);
     ck_assert_double_eq(rad_parts_place(parts, one[0]), .5);
     rad_parts_free(parts);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("parts");
-
-    tcase_add_test(tc, equal_shares_hold_as_many_points);
-    tcase_add_test(tc, shares_are_compact);
-    tcase_add_test(tc, points_at_one_place_and_single_ones_have_a_place);
-    return unit_run_case(tc);
 }

@@ -24,7 +24,7 @@ static const struct {
     { "-ab 5 -aa .3 -ad 64 -as 16", 1024, .64 },
 };
 
-START_TEST(the_part_of_passes_is_foreseen)
+LOOP_TEST(the_part_of_passes_is_foreseen, N_ELEM(parts))
 {
     struct rad_pass_size size = { parts[_i].side, parts[_i].side };
     struct rad_params par;
@@ -34,7 +34,6 @@ START_TEST(the_part_of_passes_is_foreseen)
     part = rad_passcost_part(&par, &size, 1, false);
     ck_assert_double_eq_tol(part, parts[_i].part, .1);
 }
-END_TEST
 
 /* Of the office by night at -ab 1, 2 and 4, 640 wide, in hundredths of the rays
  * of all passes. */
@@ -47,7 +46,7 @@ static const struct {
     { 4, { .4, 1, 1, 2, 1, 2, 3, 2, 3, 5, 14, 8, 6, 10, 8, 20, 15 } },
 };
 
-START_TEST(passes_are_weighed)
+LOOP_TEST(passes_are_weighed, N_ELEM(shares))
 {
     struct rad_pass_size size = { 640, 431 };
     struct rad_pass pass[RAD_MOST_PASSES];
@@ -71,10 +70,9 @@ START_TEST(passes_are_weighed)
     }
     ck_assert_double_lt(rest, .03); /* in all its rounds */
 }
-END_TEST
 
 /* Of a walk: no weight is missing, and the first frame's count most. */
-START_TEST(passes_of_many_frames_are_weighed)
+TEST(passes_of_many_frames_are_weighed)
 {
     enum { FRAMES = 12 };
     struct rad_pass_size size[FRAMES];
@@ -96,11 +94,10 @@ START_TEST(passes_of_many_frames_are_weighed)
     }
     ck_assert(first > 1.9 / FRAMES * all / 2 && first < .5 * all);
 }
-END_TEST
 
 /* The office by night, 120 wide, -ab 2: million rays of its passes.  Much of
  * the work is what lattices left out. */
-START_TEST(scattered_passes_are_weighed)
+TEST(scattered_passes_are_weighed)
 {
     static const double took[] = { 0,   .04, .04, .07, .07, .06, .06,
                                    .18, .18, 1,   1.2, 1.2, 3.5 };
@@ -125,10 +122,9 @@ START_TEST(scattered_passes_are_weighed)
         ck_assert_double_eq_tol(part / sum, done / all, .2);
     }
 }
-END_TEST
 
 /* A pass without tiles is no work; one that checks is some. */
-START_TEST(passes_of_other_kinds_are_weighed)
+TEST(passes_of_other_kinds_are_weighed)
 {
     struct rad_pass_size size = { 64, 48 };
     struct rad_pass pass[RAD_MOST_PASSES];
@@ -148,18 +144,4 @@ START_TEST(passes_of_other_kinds_are_weighed)
     ck_assert_double_gt(weight[n - 1], 0);
     par.ambounce = 0;
     ck_assert_double_eq(rad_passcost_part(&par, &size, 1, false), 0);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("passcost");
-
-    tcase_add_loop_test(tc, the_part_of_passes_is_foreseen, 0, N_ELEM(parts));
-    tcase_add_loop_test(tc, passes_are_weighed, 0, N_ELEM(shares));
-    tcase_add_test(tc, passes_of_many_frames_are_weighed);
-    tcase_add_test(tc, scattered_passes_are_weighed);
-    tcase_add_test(tc, passes_of_other_kinds_are_weighed);
-    return unit_run_case(tc);
 }

@@ -225,7 +225,7 @@ fill_parts(struct room *m, int threads, uint32_t ahead)
 
 /* A tile does not see a pass that it does not read, whether that is closed by
  * then or not. */
-START_TEST(a_tile_sees_the_passes_that_it_reads)
+LOOP_TEST(a_tile_sees_the_passes_that_it_reads, 3)
 {
     static const char *const options[] = { "-ab 3", "-ab 3",
                                            "-ab 2 -aw 64 -av .1 .1 .1" };
@@ -241,7 +241,6 @@ START_TEST(a_tile_sees_the_passes_that_it_reads)
     close_room(one);
     close_room(other);
 }
-END_TEST
 
 /* Records of a tile by level, in the order in which they are handed on. */
 struct levels {
@@ -292,7 +291,7 @@ levels_of_tile(const char *options)
 }
 
 /* Of too many records those that pixels ask for are all kept. */
-START_TEST(a_tile_with_too_many_records_leaves_out_deep_ones)
+TEST(a_tile_with_too_many_records_leaves_out_deep_ones)
 {
     struct levels few = levels_of_tile("-ab 2");
     struct levels many = levels_of_tile("-ab 2 -aa .1 -ar 1024 -ad 32 -as 0");
@@ -304,10 +303,9 @@ START_TEST(a_tile_with_too_many_records_leaves_out_deep_ones)
     ck_assert_uint_gt(many.of[0], few.of[0]);
     ck_assert_uint_gt(many.of[1], 0);
 }
-END_TEST
 
 /* Who is told where paths go finds the same tiles as who walks them. */
-START_TEST(paths_can_be_walked_elsewhere)
+TEST(paths_can_be_walked_elsewhere)
 {
     static struct list here, there;
     struct room *m = &rooms[0];
@@ -353,7 +351,6 @@ START_TEST(paths_can_be_walked_elsewhere)
     rad_passes_free(told);
     close_room(m);
 }
-END_TEST
 
 static void
 render(struct room *m, bool backward)
@@ -379,7 +376,7 @@ static const struct {
 };
 
 /* Whoever makes the tiles, in whatever order, and however often. */
-START_TEST(records_and_picture_are_a_function_of_the_job)
+LOOP_TEST(records_and_picture_are_a_function_of_the_job, N_ELEM(ways))
 {
     struct room *one = &rooms[0], *other = &rooms[1];
 
@@ -397,11 +394,10 @@ START_TEST(records_and_picture_are_a_function_of_the_job)
     close_room(one);
     close_room(other);
 }
-END_TEST
 
 /* Pixels find what they need, and few records are made for nothing; none takes
  * much room. */
-START_TEST(passes_leave_little_to_do)
+TEST(passes_leave_little_to_do)
 {
     struct room *m = &rooms[0], *live = &rooms[1];
     uint64_t before, rays;
@@ -425,11 +421,10 @@ START_TEST(passes_leave_little_to_do)
     world_close(&live->w);
     close_room(m);
 }
-END_TEST
 
 /* The second of two frames comes when the first one's passes are closed, and
  * has tiles of its own. */
-START_TEST(passes_go_over_all_frames)
+TEST(passes_go_over_all_frames)
 {
     static struct list list;
     struct room *m = &rooms[0];
@@ -466,12 +461,11 @@ START_TEST(passes_go_over_all_frames)
     rad_frame_release(&frames[1]);
     close_room(m);
 }
-END_TEST
 
 /* Whoever watches: the records, and what is counted, are the same; and the
  * colours are those of the picture's pixels but for what the cache yet lacks.
  */
-START_TEST(a_tile_that_shows_its_colours_is_the_same)
+TEST(a_tile_that_shows_its_colours_is_the_same)
 {
     static struct list list, watched;
     struct room *m = &rooms[0];
@@ -524,7 +518,6 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
     rad_passes_free(p);
     close_room(m);
 }
-END_TEST
 
 /* The number of the last lattice, which scattered passes follow. */
 static uint32_t
@@ -563,7 +556,7 @@ make_all(struct room *m, struct rad_passes *p, struct rad_pass pass)
 
 /* It has the first of the records that it has without a limit; and what tiles
  * leave out the last passes ask for. */
-START_TEST(a_tile_ends_when_it_has_traced_its_rays)
+TEST(a_tile_ends_when_it_has_traced_its_rays)
 {
     static struct list all, list;
     struct room *m = &rooms[0];
@@ -595,7 +588,6 @@ START_TEST(a_tile_ends_when_it_has_traced_its_rays)
     rad_passes_free(p);
     close_room(m);
 }
-END_TEST
 
 static double
 brightness(const struct list *l)
@@ -608,7 +600,7 @@ brightness(const struct list *l)
 
 /* Nor is the hemisphere at which it ends dear: deeper records that it lacks are
  * made with fewer rays, and it sees much the same. */
-START_TEST(a_tile_that_ends_makes_coarse_deep_records)
+TEST(a_tile_that_ends_makes_coarse_deep_records)
 {
     static struct list all, list;
     struct room *m = &rooms[0];
@@ -648,9 +640,8 @@ START_TEST(a_tile_that_ends_makes_coarse_deep_records)
     rad_passes_free(p);
     close_room(m);
 }
-END_TEST
 
-START_TEST(a_tile_that_is_stopped_hands_on_nothing)
+TEST(a_tile_that_is_stopped_hands_on_nothing)
 {
     static struct list list;
     static const _Atomic bool now = true;
@@ -671,25 +662,4 @@ START_TEST(a_tile_that_is_stopped_hands_on_nothing)
     }
     rad_passes_free(p);
     close_room(m);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("passes");
-
-    tcase_set_timeout(tc, 60);
-    tcase_add_loop_test(tc, records_and_picture_are_a_function_of_the_job, 0,
-                        N_ELEM(ways));
-    tcase_add_loop_test(tc, a_tile_sees_the_passes_that_it_reads, 0, 3);
-    tcase_add_test(tc, a_tile_with_too_many_records_leaves_out_deep_ones);
-    tcase_add_test(tc, paths_can_be_walked_elsewhere);
-    tcase_add_test(tc, passes_leave_little_to_do);
-    tcase_add_test(tc, passes_go_over_all_frames);
-    tcase_add_test(tc, a_tile_that_shows_its_colours_is_the_same);
-    tcase_add_test(tc, a_tile_ends_when_it_has_traced_its_rays);
-    tcase_add_test(tc, a_tile_that_ends_makes_coarse_deep_records);
-    tcase_add_test(tc, a_tile_that_is_stopped_hands_on_nothing);
-    return unit_run_case(tc);
 }

@@ -10,7 +10,7 @@
 
 static const char *const none[] = { "-ab 0", "-ab 2 -aa 0", "-ab 2 -ad 0" };
 
-START_TEST(without_a_cache_there_are_no_passes)
+LOOP_TEST(without_a_cache_there_are_no_passes, N_ELEM(none))
 {
     struct rad_pass pass[RAD_MOST_PASSES];
     struct rad_pass_size size = { 1920, 1080 };
@@ -19,7 +19,6 @@ START_TEST(without_a_cache_there_are_no_passes)
     ck_assert_int_eq(jobtext_params(none[_i], &par, NULL), 0);
     ck_assert_uint_eq(rad_passes_plan(&par, &size, 1, pass), 0);
 }
-END_TEST
 
 static const struct {
     struct rad_pass_size size;
@@ -36,7 +35,7 @@ static const struct {
 
 /* A large picture's passes have tiles for many workers; a small one's have few,
  * for a tile costs a message, and makes some of its neighbours' records. */
-START_TEST(large_pictures_have_many_tiles)
+TEST(large_pictures_have_many_tiles)
 {
     static const struct rad_pass_size size[] = { { 3840, 2160 }, { 640, 640 } };
     struct rad_pass pass[2][RAD_MOST_PASSES];
@@ -61,7 +60,6 @@ START_TEST(large_pictures_have_many_tiles)
     for (uint32_t i = 0; i < n[1]; i++)
         ck_assert_uint_le(pass[1][i].tiles, 251);
 }
-END_TEST
 
 /* Is that another part of the pass before? */
 static bool
@@ -86,7 +84,7 @@ check_reads(const struct rad_pass *k, uint32_t i)
 
 /* Each path once, each pixel of the last lattice once, and every second one
  * along both axes once more for what tiles left out. */
-START_TEST(a_plan_asks_for_each_place_once)
+LOOP_TEST(a_plan_asks_for_each_place_once, N_ELEM(plans))
 {
     struct rad_pass pass[RAD_MOST_PASSES];
     uint32_t n, end = 0, parts = 0;
@@ -136,10 +134,9 @@ START_TEST(a_plan_asks_for_each_place_once)
     ck_assert_int_eq(done, plans[_i].finest);
     ck_assert_int_eq(level, 0);
 }
-END_TEST
 
 /* Of any number of frames each has its last lattice once. */
-START_TEST(each_frame_is_planned_once)
+LOOP_TEST(each_frame_is_planned_once, 41)
 {
     enum { FRAMES = 1000 };
     static struct rad_pass_size size[FRAMES];
@@ -164,10 +161,9 @@ START_TEST(each_frame_is_planned_once)
     for (uint32_t i = 0; i < nframes; i++)
         ck_assert_uint_eq(times[i], 17);
 }
-END_TEST
 
 /* What many frames' tiles left out is shared among as many more tiles. */
-START_TEST(the_rest_of_many_frames_has_more_tiles)
+TEST(the_rest_of_many_frames_has_more_tiles)
 {
     enum { FRAMES = 32 };
     struct rad_pass_size size[FRAMES];
@@ -190,7 +186,6 @@ START_TEST(the_rest_of_many_frames_has_more_tiles)
     ck_assert_uint_gt(single, 100);
     ck_assert_uint_ge(most, FRAMES / 2 * single);
 }
-END_TEST
 
 static const struct {
     struct rad_pass_size size;
@@ -204,7 +199,7 @@ static const struct {
 /* The passes over what lattices left out: of a small picture in rounds, of a
  * large one in parts, twice, at first with a limit.  They show no colours, for
  * a tile's squares are all over the picture. */
-START_TEST(scattered_passes_come_last)
+LOOP_TEST(scattered_passes_come_last, N_ELEM(rests))
 {
     struct rad_pass pass[RAD_MOST_PASSES];
     struct rad_params par;
@@ -224,7 +219,6 @@ START_TEST(scattered_passes_come_last)
     ck_assert_uint_eq(rest, rounds > 0 ? rounds : 2 * RAD_PASS_PARTS);
     ck_assert_uint_eq(bounded, rounds > 0 ? 0 : RAD_PASS_PARTS);
 }
-END_TEST
 
 static void
 see_tiles(const struct rad_pass *pass, int w, int h, uint8_t *seen)
@@ -271,7 +265,7 @@ see_squares(const struct rad_pass *pass, uint32_t tile, uint8_t *seen)
 
 /* Each square is in one tile of one round, or of each pass; the first frames of
  * many have rounds, too. */
-START_TEST(each_square_is_in_one_tile)
+LOOP_TEST(each_square_is_in_one_tile, N_ELEM(rests))
 {
     enum { MOST = 1 << 19, FRAMES = 40 };
     static uint8_t seen[MOST];
@@ -302,12 +296,11 @@ START_TEST(each_square_is_in_one_tile)
     }
     ck_assert_uint_eq(seen_to, 0);
 }
-END_TEST
 
 /* Each pixel of a lattice lies in one tile, whatever the size; and with two
  * fields, of two tiles side by side each has one, and so with all parts of
  * each. */
-START_TEST(tiles_are_the_picture)
+TEST(tiles_are_the_picture)
 {
     static const struct rad_pass_size size[] = { { 1, 1 },   { 64, 64 },
                                                  { 65, 1 },  { 1, 257 },
@@ -338,22 +331,4 @@ START_TEST(tiles_are_the_picture)
                     see_tiles(&pass, w, h, seen);
             ck_assert(all_are(seen, w * h, 3));
         }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("passplan");
-
-    tcase_add_loop_test(tc, without_a_cache_there_are_no_passes, 0,
-                        N_ELEM(none));
-    tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(plans));
-    tcase_add_test(tc, large_pictures_have_many_tiles);
-    tcase_add_test(tc, the_rest_of_many_frames_has_more_tiles);
-    tcase_add_loop_test(tc, each_frame_is_planned_once, 0, 41);
-    tcase_add_loop_test(tc, scattered_passes_come_last, 0, N_ELEM(rests));
-    tcase_add_loop_test(tc, each_square_is_in_one_tile, 0, N_ELEM(rests));
-    tcase_add_test(tc, tiles_are_the_picture);
-    return unit_run_case(tc);
 }

@@ -137,7 +137,7 @@ error_of(const struct room *m)
 static struct room rooms[2];
 
 /* Whoever makes the tiles, in whatever order, and however often. */
-START_TEST(sums_are_a_function_of_the_job)
+TEST(sums_are_a_function_of_the_job)
 {
     struct room *one = &rooms[0], *other = &rooms[1];
 
@@ -150,9 +150,8 @@ START_TEST(sums_are_a_function_of_the_job)
     close_room(one);
     close_room(other);
 }
-END_TEST
 
-START_TEST(a_finer_cache_is_found_to_be_better)
+TEST(a_finer_cache_is_found_to_be_better)
 {
     struct room *m = &rooms[0];
     struct rad_error_estimate coarse, fine;
@@ -167,9 +166,8 @@ START_TEST(a_finer_cache_is_found_to_be_better)
     close_room(m);
     ck_assert_double_lt(fine.ambient, .6 * coarse.ambient);
 }
-END_TEST
 
-START_TEST(a_tile_can_be_stopped)
+TEST(a_tile_can_be_stopped)
 {
     static const _Atomic bool stop = true;
     struct room *m = &rooms[0];
@@ -178,7 +176,6 @@ START_TEST(a_tile_can_be_stopped)
     ck_assert(!rad_refine_make(m->passes, &m->w.ctx, 0, &stop, &m->of[0]));
     close_room(m);
 }
-END_TEST
 
 /* One pixel, one column: a window is no larger than the picture. */
 static const char *const sizes[] = {
@@ -186,7 +183,7 @@ static const char *const sizes[] = {
     "-x 300 -y 4 ", "-x 30 -y 30 -ps 16 ", "-x 30 -y 30 -ps 1 "
 };
 
-START_TEST(small_pictures_have_an_error_too)
+LOOP_TEST(small_pictures_have_an_error_too, N_ELEM(sizes))
 {
     struct room *m = &rooms[0];
     const double *a = m->of[0].doubt.v, *b = m->of[1].doubt.v;
@@ -200,19 +197,4 @@ START_TEST(small_pictures_have_an_error_too)
     ck_assert_double_gt(a[RAD_DOUBT_AREAS], 0);
     ck_assert(a[RAD_DOUBT_PIXEL] != b[RAD_DOUBT_PIXEL]); /* other samples */
     close_room(m);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *sums = tcase_create("sums");
-
-    tcase_set_timeout(sums, 60);
-    tcase_add_test(sums, sums_are_a_function_of_the_job);
-    tcase_add_test(sums, a_finer_cache_is_found_to_be_better);
-    tcase_add_test(sums, a_tile_can_be_stopped);
-    tcase_add_loop_test(sums, small_pictures_have_an_error_too, 0,
-                        N_ELEM(sizes));
-    return unit_run_case(sums);
 }

@@ -30,7 +30,7 @@ static const char *const jobs[] = {
     "-ab 1 -aa 1e-300 -ad 65535 -pt 1e-300 -ds 1e-300 -lw 1e-300",
 };
 
-START_TEST(the_job_s_own_options_are_rung_0)
+LOOP_TEST(the_job_s_own_options_are_rung_0, N_ELEM(jobs))
 {
     struct rad_params job = params_of(jobs[_i]), out;
     char a[RAD_PARAMS_TEXT], b[RAD_PARAMS_TEXT];
@@ -40,7 +40,6 @@ START_TEST(the_job_s_own_options_are_rung_0)
     rad_params_format(&out, b, sizeof b);
     ck_assert_str_eq(a, b);
 }
-END_TEST
 
 static void
 assert_finer(const struct rad_params *a, const struct rad_params *b)
@@ -74,7 +73,7 @@ assert_sayable(const struct rad_params *p)
     ck_assert_str_eq(text, again);
 }
 
-START_TEST(each_rung_is_finer)
+LOOP_TEST(each_rung_is_finer, N_ELEM(jobs))
 {
     struct rad_params job = params_of(jobs[_i]), last = job, p;
 
@@ -89,7 +88,6 @@ START_TEST(each_rung_is_finer)
         last = p;
     }
 }
-END_TEST
 
 /* Kept jobs go on with the options that their rungs had: who changes these
  * changes LAYOUT (daemon/filling/stages.c), too. */
@@ -103,7 +101,7 @@ static const struct {
     { 16, ".0883883", 181, 45, 362 }, { 32, ".0220971", 724, 181, 1024 },
 };
 
-START_TEST(rungs_keep_their_meaning)
+LOOP_TEST(rungs_keep_their_meaning, N_ELEM(rungs))
 {
     struct rad_params job = params_of(jobs[0]), p;
     uint8_t rung = (uint8_t)(RAD_REFINE_RUNG * rungs[_i].rung);
@@ -116,10 +114,9 @@ START_TEST(rungs_keep_their_meaning)
     ck_assert_double_eq(p.srcsizerat, job.srcsizerat);
     ck_assert_int_eq(p.samples, 1);
 }
-END_TEST
 
 /* -ar grows by as much where the scene is far larger than what is shown. */
-START_TEST(surroundings_leave_rungs_alone)
+TEST(surroundings_leave_rungs_alone)
 {
     struct rad_params room = params_of(jobs[0]), site = room, p, q;
     struct rad_refine_rungs far = { 32 * RAD_REFINE_RUNG, 0 };
@@ -130,7 +127,6 @@ START_TEST(surroundings_leave_rungs_alone)
     rad_refine_params(&site, far, &q);
     ck_assert_int_eq(q.ambres, 256 * p.ambres);
 }
-END_TEST
 
 static const struct {
     int rung; /* in quarters */
@@ -139,7 +135,7 @@ static const struct {
                     { 9, 2 }, { 16, 3 }, { 52, 64 } };
 
 /* ... and so for those of pixels: light changes with the first, once. */
-START_TEST(rungs_of_pixels_keep_their_meaning)
+LOOP_TEST(rungs_of_pixels_keep_their_meaning, N_ELEM(pixel_rungs))
 {
     struct rad_params job = params_of(jobs[0]), p;
     uint8_t rung = (uint8_t)pixel_rungs[_i].rung;
@@ -155,7 +151,6 @@ START_TEST(rungs_of_pixels_keep_their_meaning)
     ck_assert_double_eq(p.ambacc, job.ambacc);
     ck_assert_int_eq(p.ambdiv, job.ambdiv);
 }
-END_TEST
 
 /* A job begins where another ended, if that is as fine in all that rungs change
  * of records; what they do not change is its own. */
@@ -179,7 +174,7 @@ static const struct {
     { "-st 0", "-st .1", false },
 };
 
-START_TEST(what_is_as_fine_is_joined)
+LOOP_TEST(what_is_as_fine_is_joined, N_ELEM(joined))
 {
     struct rad_params own = params_of(joined[_i].own), is = own;
     struct rad_params former = params_of(joined[_i].former);
@@ -194,9 +189,8 @@ START_TEST(what_is_as_fine_is_joined)
     rad_params_format(&is, b, sizeof b);
     ck_assert_str_eq(a, b);
 }
-END_TEST
 
-START_TEST(the_check_pass_is_the_last)
+TEST(the_check_pass_is_the_last)
 {
     struct rad_params job = params_of(jobs[0]);
     struct rad_pass_size size[2] = { { 1920, 1080 }, { 5, 3 } };
@@ -210,7 +204,6 @@ START_TEST(the_check_pass_is_the_last)
     job.ambounce = 0;
     ck_assert_uint_eq(rad_refine_plan(&job, size, 2, false, true, pass), 0);
 }
-END_TEST
 
 /* Tiles of the check of a cache with that -aa, and a picture of that size. */
 static uint32_t
@@ -227,7 +220,7 @@ tiles_of_check(double ambacc, int width, int height)
     return pass[n - 1].tiles;
 }
 
-START_TEST(a_check_of_more_records_has_more_tiles)
+TEST(a_check_of_more_records_has_more_tiles)
 {
     uint32_t coarse = tiles_of_check(.5, 960, 640);
 
@@ -236,19 +229,17 @@ START_TEST(a_check_of_more_records_has_more_tiles)
     ck_assert_uint_eq(tiles_of_check(.1, 960, 640), 4 * coarse);
     ck_assert_uint_eq(tiles_of_check(1e-300, 960, 640), 4 * coarse);
 }
-END_TEST
 
 /* Not 36 tiles of 18 pixels each, whose hemispheres are all made anew. */
-START_TEST(a_check_of_few_sensors_is_small)
+TEST(a_check_of_few_sensors_is_small)
 {
     ck_assert_uint_eq(tiles_of_check(.2, 1, 1), 1);
     ck_assert_uint_eq(tiles_of_check(.1, 24, 1), 3);
     ck_assert_uint_eq(tiles_of_check(.5, 96, 96), tiles_of_check(.5, 120, 90));
 }
-END_TEST
 
 /* Not windows of several times the picture; from 5000 pixels on as always. */
-START_TEST(a_check_of_a_small_picture_is_small)
+TEST(a_check_of_a_small_picture_is_small)
 {
     struct rad_params sensors = params_of("-ps 1");
     uint32_t usual = tiles_of_check(.5, 300, 200);
@@ -259,7 +250,6 @@ START_TEST(a_check_of_a_small_picture_is_small)
     ck_assert_uint_eq(tiles_of_check(.1, 40, 30), usual);
     ck_assert(!rad_refine_is_small(&sensors, 1));
 }
-END_TEST
 
 /* --- decisions --- */
 
@@ -286,7 +276,7 @@ ask_of(double error, double ambient, double pixel, double noise)
     return ask;
 }
 
-START_TEST(what_is_good_enough_ends)
+TEST(what_is_good_enough_ends)
 {
     struct rad_refine_ask ask = ask_of(.1, .05, .05, .02);
     struct rad_refine_rungs next = { 77, 77 };
@@ -300,7 +290,6 @@ START_TEST(what_is_good_enough_ends)
     ck_assert_int_eq(next.ambient, RUNGS(3));
     ck_assert_int_eq(next.pixel, RUNGS(1));
 }
-END_TEST
 
 /* So much time is left, and a million rays take a second. */
 static void
@@ -316,7 +305,7 @@ static const struct {
 
 /* The less is wanted, the higher the rungs of what is the cause: those of the
  * cache in the next stage, those of pixels at its end. */
-START_TEST(rungs_go_by_the_cause)
+LOOP_TEST(rungs_go_by_the_cause, N_ELEM(causes))
 {
     struct rad_refine_rungs last = { 0, 0 }, next, end;
     double error;
@@ -342,10 +331,9 @@ START_TEST(rungs_go_by_the_cause)
     ck_assert_int_eq(last.ambient > RUNGS(8), causes[_i].ambient > .1);
     ck_assert_int_eq(last.pixel > RUNGS(8), causes[_i].pixel > .1);
 }
-END_TEST
 
 /* Pixels that stay noisy: after some rungs there is no more. */
-START_TEST(what_cannot_be_reached_ends)
+TEST(what_cannot_be_reached_ends)
 {
     struct rad_refine_ask ask = ask_of(.001, .1, .1, .1);
     struct rad_refine_rungs next;
@@ -358,11 +346,10 @@ START_TEST(what_cannot_be_reached_ends)
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ck_assert_double_gt(error, .1);
 }
-END_TEST
 
 /* A picture of few pixels, of whose error the cache is a small part: the bound
  * allows it minutes of a processor. */
-START_TEST(what_cannot_be_reached_costs_no_more_than_it_brings)
+TEST(what_cannot_be_reached_costs_no_more_than_it_brings)
 {
     struct rad_refine_ask ask = ask_of(.015, .036, .21, .106);
     struct rad_refine_rungs next;
@@ -378,9 +365,8 @@ START_TEST(what_cannot_be_reached_costs_no_more_than_it_brings)
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ck_assert_int_gt(next.pixel, RUNGS(10));
 }
-END_TEST
 
-START_TEST(stages_are_few)
+TEST(stages_are_few)
 {
     struct rad_refine_ask ask = ask_of(.01, .5, .5, 0);
     struct rad_refine_rungs next;
@@ -393,11 +379,10 @@ START_TEST(stages_are_few)
     ask.stage = UINT32_MAX;
     ck_assert(!rad_refine_next(&ask, &next, &error));
 }
-END_TEST
 
 /* What is far off is not foreseen well: some of it is made first, unless there
  * is no further stage. */
-START_TEST(a_far_goal_has_a_stage_before_it)
+TEST(a_far_goal_has_a_stage_before_it)
 {
     struct rad_refine_ask ask = ask_of(.02, .5, .01, 0);
     struct rad_refine_rungs first, whole;
@@ -414,10 +399,9 @@ START_TEST(a_far_goal_has_a_stage_before_it)
     ck_assert(rad_refine_next(&ask, &whole, &error));
     ck_assert_int_eq(first.ambient, whole.ambient);
 }
-END_TEST
 
 /* The next stage goes the farther the less the last one brought. */
-START_TEST(what_fell_slowly_is_foreseen_so)
+TEST(what_fell_slowly_is_foreseen_so)
 {
     static const double fell[] = { 12, 8, 4, .5 }; /* in four rungs: 8 on
                                                     * average */
@@ -437,10 +421,9 @@ START_TEST(what_fell_slowly_is_foreseen_so)
         last = next.ambient;
     }
 }
-END_TEST
 
 /* ... when the last cache is there: no stage has more than a ray of a pixel. */
-START_TEST(noise_of_pixels_is_taken_away_by_rays)
+TEST(noise_of_pixels_is_taken_away_by_rays)
 {
     struct rad_params job = params_of(jobs[0]), p;
     struct rad_refine_ask ask = ask_of(.05, .04, .1, .1);
@@ -467,10 +450,9 @@ START_TEST(noise_of_pixels_is_taken_away_by_rays)
     ask = ask_of(.05, .02, .05, .05); /* near enough */
     ck_assert(!rad_refine_next(&ask, &next, &error));
 }
-END_TEST
 
 /* A pixel has a most number of rays: what is beyond is not counted upon. */
-START_TEST(a_full_pixel_gets_no_better)
+TEST(a_full_pixel_gets_no_better)
 {
     struct rad_refine_ask ask = ask_of(.02, .015, .1, .1);
     struct rad_refine_rungs next;
@@ -488,11 +470,10 @@ START_TEST(a_full_pixel_gets_no_better)
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ck_assert_double_gt(error, .1);
 }
-END_TEST
 
 /* The rest of an error that is nearly small enough is taken away by rays of
  * pixels, as long as they cost no more than the stage did. */
-START_TEST(what_is_near_enough_comes_closer_if_that_is_cheap)
+TEST(what_is_near_enough_comes_closer_if_that_is_cheap)
 {
     struct rad_refine_ask ask = ask_of(.08, .07, .043, .04);
     struct rad_refine_rungs next;
@@ -508,10 +489,9 @@ START_TEST(what_is_near_enough_comes_closer_if_that_is_cheap)
     ck_assert_int_eq(next.pixel, RUNGS(1));
     ck_assert_double_gt(error, .08);
 }
-END_TEST
 
 /* No option of a stage is coarser than in the stage before. */
-START_TEST(a_stage_keeps_the_options_of_pixels)
+TEST(a_stage_keeps_the_options_of_pixels)
 {
     int stages = 0;
 
@@ -530,11 +510,10 @@ START_TEST(a_stage_keeps_the_options_of_pixels)
     }
     ck_assert_int_gt(stages, 100);
 }
-END_TEST
 
 /* What is off by too much does not stay so where stages are left, and rays: the
  * last part of it is not too little to go for. */
-START_TEST(what_is_not_near_enough_does_not_end)
+TEST(what_is_not_near_enough_does_not_end)
 {
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 13; k++) {
@@ -551,11 +530,10 @@ START_TEST(what_is_not_near_enough_does_not_end)
                           .02 + .005 * i, error);
         }
 }
-END_TEST
 
 /* A smaller error never ends where a larger one goes on, whatever part of the
  * error is noise of pixels. */
-START_TEST(a_smaller_error_gets_no_less)
+TEST(a_smaller_error_gets_no_less)
 {
     for (int noise = 0; noise <= 10; noise++) {
         bool on = true;
@@ -574,10 +552,9 @@ START_TEST(a_smaller_error_gets_no_less)
         ck_assert(!on);
     }
 }
-END_TEST
 
 /* Of rays, and it grows with the pixels; a limit of time is in its place. */
-START_TEST(a_stage_has_a_bound)
+TEST(a_stage_has_a_bound)
 {
     struct rad_refine_ask ask = ask_of(.01, .3, .1, 0);
     struct rad_refine_rungs bound, whole, next;
@@ -602,9 +579,8 @@ START_TEST(a_stage_has_a_bound)
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ck_assert(!rad_refine_is_short(&ask));
 }
-END_TEST
 
-START_TEST(the_clock_decides_where_more_time_is_another_decision)
+TEST(the_clock_decides_where_more_time_is_another_decision)
 {
     struct rad_refine_ask ask = ask_of(.1, .3, .1, 0);
 
@@ -620,11 +596,10 @@ START_TEST(the_clock_decides_where_more_time_is_another_decision)
     ask.left_s = .1;
     ck_assert(!rad_refine_by_clock(&ask));
 }
-END_TEST
 
 /* More time is a finer stage, and at its end more rays of a pixel: of a clock
  * that goes up by tenths none is for nothing, up to the finest of pixels. */
-START_TEST(more_time_is_used)
+TEST(more_time_is_used)
 {
     struct rad_refine_rungs last = { 0, 0 }, next;
     double error;
@@ -658,10 +633,9 @@ START_TEST(more_time_is_used)
     }
     ck_assert_int_gt(stages, 50);
 }
-END_TEST
 
 /* Where the cache alone is off, too, half of the time is the pixels'. */
-START_TEST(a_stage_leaves_time_for_pixels)
+TEST(a_stage_leaves_time_for_pixels)
 {
     struct rad_refine_ask ask = ask_of(0, .3, .001, .0005);
     const struct rad_params job = { .ambacc = .5, .ambdiv = 512 };
@@ -678,10 +652,9 @@ START_TEST(a_stage_leaves_time_for_pixels)
     ck_assert_double_lt(rays * ask.pass_s, 25);
     ck_assert_double_gt(rays * ask.pass_s, 10);
 }
-END_TEST
 
 /* What takes all the time is foreseen from a stage that takes some of it. */
-START_TEST(much_time_has_a_stage_before_the_last)
+TEST(much_time_has_a_stage_before_the_last)
 {
     struct rad_refine_ask ask = ask_of(0, .3, .1, .05);
     struct rad_refine_rungs first, last;
@@ -702,11 +675,10 @@ START_TEST(much_time_has_a_stage_before_the_last)
     ck_assert_int_eq(first.ambient, last.ambient);
     ck_assert_int_eq(first.pixel, last.pixel);
 }
-END_TEST
 
 /* ... a stage, though pixels alone are off, and their first rung takes more
  * than the part of the time that such a stage may. */
-START_TEST(a_stage_before_the_last_is_one)
+TEST(a_stage_before_the_last_is_one)
 {
     for (double s = .5; s < 50; s *= 1.05) {
         struct rad_refine_ask ask = ask_of(0, 0, .3, .2);
@@ -723,10 +695,9 @@ START_TEST(a_stage_before_the_last_is_one)
         ck_assert(!rad_refine_same_cache(ask.rungs, first));
     }
 }
-END_TEST
 
 /* ... but if the error that is wanted is reached in time, the clock is none. */
-START_TEST(a_goal_in_time_has_whole_rungs_as_without_a_clock)
+TEST(a_goal_in_time_has_whole_rungs_as_without_a_clock)
 {
     for (int i = 5; i <= 20; i++) {
         struct rad_refine_ask ask = ask_of(.01 * i, .3, .1, .05);
@@ -741,7 +712,6 @@ START_TEST(a_goal_in_time_has_whole_rungs_as_without_a_clock)
         ck_assert_int_eq(timed.pixel, calm.pixel);
     }
 }
-END_TEST
 
 static const double wild[] = { 0,    -0.0,  -1,     1e-320, 1,
                                1e30, 1e308, -1e308, NAN,    INFINITY };
@@ -758,7 +728,7 @@ sum(struct rad_refine_sums *s, int k)
 }
 
 /* Whatever is said, an end comes, with a number. */
-START_TEST(sums_may_be_anything)
+LOOP_TEST(sums_may_be_anything, N_ELEM(wild))
 {
     for (int k = 0; k < SUMS; k++)
         for (int i = 0; i < N_ELEM(wild); i++)
@@ -784,9 +754,8 @@ START_TEST(sums_may_be_anything)
                 ck_assert_int_le(next.pixel, RAD_REFINE_MOST_PIXEL);
             }
 }
-END_TEST
 
-START_TEST(a_black_picture_is_good_enough)
+TEST(a_black_picture_is_good_enough)
 {
     struct rad_refine_ask ask = { .error = .01, .left_s = INFINITY };
     struct rad_refine_rungs next;
@@ -795,10 +764,9 @@ START_TEST(a_black_picture_is_good_enough)
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ck_assert_double_eq(error, 0);
 }
-END_TEST
 
 /* The mean is off by what places have in common, not by what each is. */
-START_TEST(mean_keeps_what_places_err_by_in_common)
+TEST(mean_keeps_what_places_err_by_in_common)
 {
     struct rad_refine_sums s = { 0 };
     double all;
@@ -814,56 +782,4 @@ START_TEST(mean_keeps_what_places_err_by_in_common)
     s.off.off = 0; /* half of them too bright, half too dark */
     ck_assert_double_gt(rad_refine_mean(&s), 0);
     ck_assert_double_le(rad_refine_mean(&s), all / 10);
-}
-END_TEST
-
-int
-main(void)
-{
-    Suite *s = suite_create("refine");
-    TCase *options = tcase_create("options");
-    TCase *decisions = tcase_create("decisions");
-
-    tcase_add_loop_test(options, the_job_s_own_options_are_rung_0, 0,
-                        N_ELEM(jobs));
-    tcase_add_loop_test(options, each_rung_is_finer, 0, N_ELEM(jobs));
-    tcase_add_loop_test(options, rungs_keep_their_meaning, 0, N_ELEM(rungs));
-    tcase_add_test(options, surroundings_leave_rungs_alone);
-    tcase_add_loop_test(options, rungs_of_pixels_keep_their_meaning, 0,
-                        N_ELEM(pixel_rungs));
-    tcase_add_loop_test(options, what_is_as_fine_is_joined, 0, N_ELEM(joined));
-    tcase_add_test(options, the_check_pass_is_the_last);
-    tcase_add_test(options, a_check_of_more_records_has_more_tiles);
-    tcase_add_test(options, a_check_of_a_small_picture_is_small);
-    tcase_add_test(options, a_check_of_few_sensors_is_small);
-    suite_add_tcase(s, options);
-    tcase_add_test(decisions, what_is_good_enough_ends);
-    tcase_add_loop_test(decisions, rungs_go_by_the_cause, 0, N_ELEM(causes));
-    tcase_add_test(decisions, what_cannot_be_reached_ends);
-    tcase_add_test(decisions,
-                   what_cannot_be_reached_costs_no_more_than_it_brings);
-    tcase_add_test(decisions, stages_are_few);
-    tcase_add_test(decisions, a_far_goal_has_a_stage_before_it);
-    tcase_add_test(decisions, what_fell_slowly_is_foreseen_so);
-    tcase_add_test(decisions, what_is_not_near_enough_does_not_end);
-    tcase_add_test(decisions, a_smaller_error_gets_no_less);
-    tcase_add_test(decisions, noise_of_pixels_is_taken_away_by_rays);
-    tcase_add_test(decisions, a_full_pixel_gets_no_better);
-    tcase_add_test(decisions,
-                   what_is_near_enough_comes_closer_if_that_is_cheap);
-    tcase_add_test(decisions, a_stage_keeps_the_options_of_pixels);
-    tcase_add_test(decisions, a_stage_has_a_bound);
-    tcase_add_test(decisions,
-                   the_clock_decides_where_more_time_is_another_decision);
-    tcase_add_test(decisions, more_time_is_used);
-    tcase_add_test(decisions, a_stage_leaves_time_for_pixels);
-    tcase_add_test(decisions, much_time_has_a_stage_before_the_last);
-    tcase_add_test(decisions, a_stage_before_the_last_is_one);
-    tcase_add_test(decisions,
-                   a_goal_in_time_has_whole_rungs_as_without_a_clock);
-    tcase_add_loop_test(decisions, sums_may_be_anything, 0, N_ELEM(wild));
-    tcase_add_test(decisions, a_black_picture_is_good_enough);
-    tcase_add_test(decisions, mean_keeps_what_places_err_by_in_common);
-    suite_add_tcase(s, decisions);
-    return unit_run(s);
 }

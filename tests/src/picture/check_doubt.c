@@ -31,6 +31,8 @@ tear_down(void)
     picture_close(&pic);
 }
 
+FIXTURE(NULL, tear_down)
+
 static void
 make(const char *options)
 {
@@ -67,7 +69,7 @@ look(int n, struct rad_doubt_share share)
 #define PURE                                                                   \
     "-x 90 -y 90 -pa 1 -ab 0 -ps 1 -pj 0 -dj 0 -ds 0 -dt 0 -ss 0 -st 0 "
 
-START_TEST(a_true_picture_has_no_error)
+TEST(a_true_picture_has_no_error)
 {
     static const int lines[] = { 1, 2, 3, 5, 8 };
 
@@ -82,14 +84,13 @@ START_TEST(a_true_picture_has_no_error)
         ck_assert_double_eq_tol(d.v[RAD_DOUBT_AREAS], 90 * 90 / 25., 120);
     }
 }
-END_TEST
 
 /* All of it too bright, or a part of it that has contrast, or has none. */
 static const struct {
     int x0, y0, x1, y1;
 } parts[] = { { 0, 0, 90, 90 }, { 25, 10, 65, 40 }, { 0, 60, 90, 90 } };
 
-START_TEST(what_is_off_is_found)
+LOOP_TEST(what_is_off_is_found, N_ELEM(parts))
 {
     double share, off = log(1.2);
     struct rad_doubt d;
@@ -108,10 +109,9 @@ START_TEST(what_is_off_is_found)
                             .15 * off);
     ck_assert_double_eq(rad_doubt_error(&d).ambient, 0);
 }
-END_TEST
 
 /* One pixel of each 5 by 5, which is most of their light. */
-START_TEST(what_few_pixels_are_off_by_is_found)
+TEST(what_few_pixels_are_off_by_is_found)
 {
     struct rad_doubt d;
 
@@ -126,10 +126,9 @@ START_TEST(what_few_pixels_are_off_by_is_found)
     ck_assert_double_gt(rad_doubt_error(&d).all, .8);
     ck_assert_double_le(rad_doubt_error(&d).all, 1.2);
 }
-END_TEST
 
 /* By chance the pixel would be missed in six of ten areas. */
-START_TEST(a_single_pixel_is_found_where_all_are_looked_at)
+TEST(a_single_pixel_is_found_where_all_are_looked_at)
 {
     const struct rad_doubt_share all = { INFINITY, 0 };
 
@@ -145,11 +144,10 @@ START_TEST(a_single_pixel_is_found_where_all_are_looked_at)
         ck_assert_double_eq(d.v[RAD_DOUBT_AREAS], 18 * 18);
     }
 }
-END_TEST
 
 /* What a row's width leaves over when areas are cut off it is no area that
  * counts as much as all others: its columns are part of the last one. */
-START_TEST(a_narrow_rest_is_no_area_by_itself)
+TEST(a_narrow_rest_is_no_area_by_itself)
 {
     struct rad_doubt d;
 
@@ -165,10 +163,9 @@ START_TEST(a_narrow_rest_is_no_area_by_itself)
     ck_assert_double_gt(rad_doubt_error(&d).all, .01);
     ck_assert_double_lt(rad_doubt_error(&d).all, .06);
 }
-END_TEST
 
 /* A floor that reflects a window is too dark without it. */
-START_TEST(gloss_that_is_left_out_shows)
+TEST(gloss_that_is_left_out_shows)
 {
     struct rad_doubt d;
 
@@ -177,9 +174,8 @@ START_TEST(gloss_that_is_left_out_shows)
     ck_assert_double_gt(rad_doubt_error(&d).all, .03);
     ck_assert_double_eq(pic.w.ctx.job->params.specthresh, .1);
 }
-END_TEST
 
-START_TEST(noise_of_hemispheres_shows)
+TEST(noise_of_hemispheres_shows)
 {
     const struct rad_doubt_share share = { .002, .02 };
     double last = 1;
@@ -204,10 +200,9 @@ START_TEST(noise_of_hemispheres_shows)
         last = e.ambient;
     }
 }
-END_TEST
 
 /* Where each pixel has a record of its own, areas average their noise out. */
-START_TEST(noise_of_small_zones_averages_out_in_areas)
+TEST(noise_of_small_zones_averages_out_in_areas)
 {
     static const char *const zones[] = { "-aa .3 -ar 32", "-aa .05 -ar 4096" };
     double square[2], said[2];
@@ -230,9 +225,8 @@ START_TEST(noise_of_small_zones_averages_out_in_areas)
     ck_assert_double_lt(said[0], 3 * square[0]);
     ck_assert_double_lt(said[1], said[0] / 100);
 }
-END_TEST
 
-START_TEST(it_is_a_function_of_the_job)
+TEST(it_is_a_function_of_the_job)
 {
     const struct rad_doubt_share share = { .01, 0 };
     struct rad_doubt a, b;
@@ -246,9 +240,8 @@ START_TEST(it_is_a_function_of_the_job)
         ck_assert_double_eq_tol(a.v[i], b.v[i], i == RAD_DOUBT_AREAS ? 1e3 : 2);
     ck_assert_double_gt(rad_doubt_error(&a).all, 0);
 }
-END_TEST
 
-START_TEST(it_can_be_stopped)
+TEST(it_can_be_stopped)
 {
     static const _Atomic bool stop = true;
     const struct rad_doubt_share share = { 1, 0 };
@@ -264,11 +257,10 @@ START_TEST(it_can_be_stopped)
     ck_assert(!rad_doubt_look(&r, &pic.w.ctx, &share, &stop, &found));
     ck_assert_double_eq(found.v[RAD_DOUBT_AREAS], 0);
 }
-END_TEST
 
 /* Of 64 places fresh samples count as much as what records predict, of fewer
  * less. */
-START_TEST(fresh_samples_count_by_their_number)
+TEST(fresh_samples_count_by_their_number)
 {
     struct rad_doubt said = { { 0 } }, fresh = { { 0 } };
 
@@ -284,9 +276,8 @@ START_TEST(fresh_samples_count_by_their_number)
                                 1e-12);
     }
 }
-END_TEST
 
-START_TEST(parts_add_by_their_squares)
+TEST(parts_add_by_their_squares)
 {
     struct rad_doubt d = { { 0 } };
     struct rad_error_estimate e = rad_doubt_error(&d);
@@ -308,13 +299,12 @@ START_TEST(parts_add_by_their_squares)
     d.v[RAD_DOUBT_PIXEL2] = 4;
     ck_assert_double_gt(rad_doubt_error(&d).sampling, 0);
 }
-END_TEST
 
 static const double wild[] = { 0,   -1,    1e-300, 1,        1e99,
                                NAN, -1e99, 1e300,  INFINITY, -INFINITY };
 
 /* Another says these sums, and statistics have no infinity. */
-START_TEST(an_error_is_a_number)
+LOOP_TEST(an_error_is_a_number, N_ELEM(wild))
 {
     for (int k = 0; k < RAD_DOUBT_SUMS; k++)
         for (int i = 0; i < (int)(sizeof wild / sizeof *wild); i++) {
@@ -328,28 +318,4 @@ START_TEST(an_error_is_a_number)
             ck_assert(e.sampling >= 0 && e.sampling <= 1e6);
             ck_assert(e.all >= 0 && e.all <= 1e6);
         }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("doubt");
-
-    tcase_add_checked_fixture(tc, NULL, tear_down);
-    tcase_set_timeout(tc, 60);
-    tcase_add_test(tc, a_true_picture_has_no_error);
-    tcase_add_loop_test(tc, what_is_off_is_found, 0, N_ELEM(parts));
-    tcase_add_test(tc, what_few_pixels_are_off_by_is_found);
-    tcase_add_test(tc, a_single_pixel_is_found_where_all_are_looked_at);
-    tcase_add_test(tc, gloss_that_is_left_out_shows);
-    tcase_add_test(tc, a_narrow_rest_is_no_area_by_itself);
-    tcase_add_test(tc, noise_of_hemispheres_shows);
-    tcase_add_test(tc, noise_of_small_zones_averages_out_in_areas);
-    tcase_add_test(tc, it_is_a_function_of_the_job);
-    tcase_add_test(tc, it_can_be_stopped);
-    tcase_add_test(tc, fresh_samples_count_by_their_number);
-    tcase_add_test(tc, parts_add_by_their_squares);
-    tcase_add_loop_test(tc, an_error_is_a_number, 0, N_ELEM(wild));
-    return unit_run_case(tc);
 }

@@ -38,7 +38,7 @@ assert_known(const struct rad_facts *f, int i)
     ck_assert_mem_eq(&p, &want, sizeof p);
 }
 
-START_TEST(the_first_fact_of_a_pixel_is_kept)
+TEST(the_first_fact_of_a_pixel_is_kept)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
     struct rad_pixel p = { { 7, 7, 7 }, 7 };
@@ -54,9 +54,8 @@ START_TEST(the_first_fact_of_a_pixel_is_kept)
     ck_assert(!rad_facts_get(f, 6, 1, &p));
     rad_facts_free(f);
 }
-END_TEST
 
-START_TEST(what_nobody_used_is_counted)
+TEST(what_nobody_used_is_counted)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
     struct rad_pixel p;
@@ -73,10 +72,9 @@ START_TEST(what_nobody_used_is_counted)
     ck_assert_uint_eq(rad_facts_unused(f), 1);
     rad_facts_free(f);
 }
-END_TEST
 
 /* Others were first while it was traced here. */
-START_TEST(what_was_known_when_it_was_traced_is_counted)
+TEST(what_was_known_when_it_was_traced_is_counted)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
 
@@ -93,9 +91,8 @@ START_TEST(what_was_known_when_it_was_traced_is_counted)
     ck_assert_uint_eq(rad_facts_doubled(f), 0);
     rad_facts_free(f);
 }
-END_TEST
 
-START_TEST(other_workers_facts_are_met_where_they_are)
+TEST(other_workers_facts_are_met_where_they_are)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
     struct rad_pixel p;
@@ -113,7 +110,6 @@ START_TEST(other_workers_facts_are_met_where_they_are)
     ck_assert(rad_facts_met(f, 1, 1, 20, 1));
     rad_facts_free(f);
 }
-END_TEST
 
 struct parcel {
     uint8_t bitmap[MOST];
@@ -134,7 +130,7 @@ import(struct rad_facts *f, int row, int n, unsigned origin,
     return rad_facts_import(f, row, n, 4, origin, p->bitmap, p->pixels, p->n);
 }
 
-START_TEST(facts_made_here_are_given_once)
+TEST(facts_made_here_are_given_once)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
     struct rad_facts *g = rad_facts_new(WIDTH, ROWS);
@@ -174,9 +170,8 @@ START_TEST(facts_made_here_are_given_once)
     rad_facts_free(f);
     rad_facts_free(g);
 }
-END_TEST
 
-START_TEST(settled_facts_are_not_given)
+TEST(settled_facts_are_not_given)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
     static struct parcel p;
@@ -197,9 +192,8 @@ START_TEST(settled_facts_are_not_given)
     ck_assert_uint_eq(p.n, 1);
     rad_facts_free(f);
 }
-END_TEST
 
-START_TEST(without_depth_there_are_three_channels)
+TEST(without_depth_there_are_three_channels)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, 1);
     struct rad_facts *g = rad_facts_new(WIDTH, 1);
@@ -218,7 +212,6 @@ START_TEST(without_depth_there_are_three_channels)
     rad_facts_free(f);
     rad_facts_free(g);
 }
-END_TEST
 
 /* One thing that is wrong with a parcel of two rows. */
 static const struct {
@@ -234,7 +227,7 @@ static const struct {
     { 0, 2, 2, 0, 0, 0 },       { 0, 2, 5, 0, 0, 0 },
 };
 
-START_TEST(malformed_parcels_leave_nothing)
+LOOP_TEST(malformed_parcels_leave_nothing, N_ELEM(bad))
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
     struct rad_pixel out;
@@ -251,9 +244,8 @@ START_TEST(malformed_parcels_leave_nothing)
         ck_assert(!rad_facts_get(f, i % WIDTH, i / WIDTH, &out));
     rad_facts_free(f);
 }
-END_TEST
 
-START_TEST(values_that_no_ray_has_are_left_out)
+TEST(values_that_no_ray_has_are_left_out)
 {
     static const float pixels[] = { NAN, 0, 0, 0, 1, 1,   1, 1,        0, -1,
                                     0,   0, 0, 0, 0, NAN, 0, INFINITY, 0, 0 };
@@ -266,7 +258,6 @@ START_TEST(values_that_no_ray_has_are_left_out)
         ck_assert_int_eq(rad_facts_get(f, x, 0, &out), x == 1);
     rad_facts_free(f);
 }
-END_TEST
 
 enum { THREADS = 4, ROUNDS = 60 };
 
@@ -296,7 +287,7 @@ race(void *arg)
     return NULL;
 }
 
-START_TEST(threads_that_meet_at_a_pixel_agree)
+LOOP_TEST(threads_that_meet_at_a_pixel_agree, ROUNDS)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
     struct rad_facts *g = rad_facts_new(WIDTH, ROWS);
@@ -333,23 +324,4 @@ START_TEST(threads_that_meet_at_a_pixel_agree)
     ck_assert_uint_eq(rad_facts_fresh(f), 0);
     rad_facts_free(f);
     rad_facts_free(g);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("facts");
-
-    tcase_add_test(tc, the_first_fact_of_a_pixel_is_kept);
-    tcase_add_test(tc, what_nobody_used_is_counted);
-    tcase_add_test(tc, what_was_known_when_it_was_traced_is_counted);
-    tcase_add_test(tc, other_workers_facts_are_met_where_they_are);
-    tcase_add_test(tc, facts_made_here_are_given_once);
-    tcase_add_test(tc, settled_facts_are_not_given);
-    tcase_add_test(tc, without_depth_there_are_three_channels);
-    tcase_add_loop_test(tc, malformed_parcels_leave_nothing, 0, N_ELEM(bad));
-    tcase_add_test(tc, values_that_no_ray_has_are_left_out);
-    tcase_add_loop_test(tc, threads_that_meet_at_a_pixel_agree, 0, ROUNDS);
-    return unit_run_case(tc);
 }

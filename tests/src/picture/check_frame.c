@@ -17,6 +17,8 @@ tear_down(void)
     picture_close(&pic);
 }
 
+FIXTURE(NULL, tear_down)
+
 static void
 show_in(struct picture *at, const char *scene, struct rad_params p,
         const char *view, bool depth)
@@ -61,7 +63,7 @@ static const char room[] =
     "dot sphere d 0 0 4 -.61 4.01 .33 .003\n";
 static const char ahead[] = "-vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 40 -vv 40";
 
-START_TEST(windows_make_the_whole_with_every_pixel_traced)
+TEST(windows_make_the_whole_with_every_pixel_traced)
 {
     struct rad_pixel *whole, *parts;
     struct rad_counts first;
@@ -84,14 +86,13 @@ START_TEST(windows_make_the_whole_with_every_pixel_traced)
     ck_assert_uint_eq(pic.w.ctx.counts.nan_pixels, 0);
     free(parts);
 }
-END_TEST
 
 /* What it sends is infinite; its edges lie between the centres of pixels. */
 static const char hot[] =
     "void glow hot 0 0 4 1e39 1 1 0\n"
     "hot polygon p 0 0 12 .11 .51 0 .39 .51 0 .39 .69 0 .11 .69 0\n";
 
-START_TEST(pixels_that_are_no_numbers_are_black_and_the_first_is_kept)
+TEST(pixels_that_are_no_numbers_are_black_and_the_first_is_kept)
 {
     struct rad_params p = params(10, 1);
     struct rad_pixel *whole;
@@ -105,10 +106,9 @@ START_TEST(pixels_that_are_no_numbers_are_black_and_the_first_is_kept)
     for (int i = 0; i < 100; i++)
         ck_assert(whole[i].L.r == 0 && whole[i].L.g == 0 && whole[i].L.b == 0);
 }
-END_TEST
 
 /* No sample meets it, and what is painted for it is infinite. */
-START_TEST(painted_sources_that_are_no_numbers_count_too)
+TEST(painted_sources_that_are_no_numbers_count_too)
 {
     static const char dot[] = "void light hot 0 0 3 1e39 1 1\n"
                               "hot sphere p 0 0 4 .22 .52 0 .001\n";
@@ -121,9 +121,8 @@ START_TEST(painted_sources_that_are_no_numbers_count_too)
     ck_assert_int_eq(pic.w.ctx.counts.nan_x, 2);
     ck_assert_int_eq(pic.w.ctx.counts.nan_y, 4);
 }
-END_TEST
 
-START_TEST(sampled_windows_repeat_themselves_in_any_order)
+TEST(sampled_windows_repeat_themselves_in_any_order)
 {
     static const struct rad_window w[] = { { 0, 0, 31, 17 },
                                            { 31, 0, 17, 48 },
@@ -145,11 +144,10 @@ START_TEST(sampled_windows_repeat_themselves_in_any_order)
     free(a);
     free(b);
 }
-END_TEST
 
 /* A thread sets rays up before it is asked for their pixels.  What it has of
  * one frame must not be taken for another's that lies where that lay. */
-START_TEST(a_frame_in_anothers_place_has_rays_of_its_own)
+TEST(a_frame_in_anothers_place_has_rays_of_its_own)
 {
     static const char *const views[] = {
         "-vp 0 0 0 -vd .3 1 0 -vu 0 0 1 -vh 40 -vv 40",
@@ -173,7 +171,6 @@ START_TEST(a_frame_in_anothers_place_has_rays_of_its_own)
         picture_close(&fresh);
     }
 }
-END_TEST
 
 /* Of two pictures with other random numbers; *mean of the first. */
 static double
@@ -205,7 +202,7 @@ noise_of(int samples, double *mean)
     return sqrt(sum);
 }
 
-START_TEST(a_pixel_is_the_mean_of_its_samples)
+TEST(a_pixel_is_the_mean_of_its_samples)
 {
     double one, many, noise = noise_of(1, &one), left = noise_of(16, &many);
 
@@ -213,9 +210,8 @@ START_TEST(a_pixel_is_the_mean_of_its_samples)
     ck_assert_double_lt(left, noise / 3);
     ck_assert_double_eq_tol(many, one, .03 * one);
 }
-END_TEST
 
-START_TEST(seed_and_frame_move_the_jitter)
+TEST(seed_and_frame_move_the_jitter)
 {
     struct rad_params p = params(16, 1);
     struct rad_pixel *seen[3];
@@ -232,11 +228,10 @@ START_TEST(seed_and_frame_move_the_jitter)
     for (int i = 0; i < 3; i++)
         free(seen[i]);
 }
-END_TEST
 
 /* The edge of a half plane that glows, at twice the focal distance, seen
  * through a lens of diameter 1: the share of the lens that sees it. */
-START_TEST(what_is_out_of_focus_blurs_by_the_lens)
+TEST(what_is_out_of_focus_blurs_by_the_lens)
 {
     static const char half[] = "void glow g 0 0 4 1 1 1 0\n"
                                "g polygon p 0 0 12 0 8 -50 50 8 -50 50 8 50 0 "
@@ -262,12 +257,11 @@ START_TEST(what_is_out_of_focus_blurs_by_the_lens)
             ck_assert_double_eq(sum[x], share);
     }
 }
-END_TEST
 
 /* The same half plane, from a view that moves across: one frame before, the
  * edge was a quarter of the picture to the left, so with half the shutter open
  * it smears an eighth to both sides together. */
-START_TEST(motion_blurs_between_the_views)
+TEST(motion_blurs_between_the_views)
 {
     static const char half[] = "void glow g 0 0 4 1 1 1 0\n"
                                "g polygon p 0 0 12 0 8 -50 50 8 -50 50 8 50 0 "
@@ -294,11 +288,10 @@ START_TEST(motion_blurs_between_the_views)
                                 share > 0 && share < 1 ? .2 : 1e-12);
     }
 }
-END_TEST
 
 /* A glowing square in the upper left quarter, seen without perspective; the
  * edge of each pixel's jitter stays within the pixel. */
-START_TEST(rows_count_from_the_top_and_jitter_stays_inside)
+TEST(rows_count_from_the_top_and_jitter_stays_inside)
 {
     static const char square[] =
         "void glow g 0 0 4 1 1 1 -1\n"
@@ -318,11 +311,10 @@ START_TEST(rows_count_from_the_top_and_jitter_stays_inside)
                                    lit ? 1e-6f : 1);
         }
 }
-END_TEST
 
 /* One lamp, smaller than a pixel, between the centres of pixels: what it sends
  * is what its area says, spread over the pixels that it covers. */
-START_TEST(small_lamps_are_painted_with_their_area)
+TEST(small_lamps_are_painted_with_their_area)
 {
     static const char lamp[] =
         "void light l 0 0 3 100 50 25\n"
@@ -354,7 +346,6 @@ START_TEST(small_lamps_are_painted_with_their_area)
     ck_assert_double_eq_tol(sum[0], 100 * area / 4 * 400, 1e-4);
     ck_assert_double_eq_tol(sum[2], 25 * area / 4 * 400, 1e-4);
 }
-END_TEST
 
 /* Balls, disks, tubes and polygons as large as rpict's, which takes them for
  * boxes and squares: how many pixels of 20 by 20, .1 wide in the parallel
@@ -402,7 +393,7 @@ static const struct {
     { "l ring r 0 0 8 0 1 0 0 -1 0 0 .06", ALONG, 1, 0 },
 };
 
-START_TEST(thin_lamps_are_painted_as_large_as_rpict_does)
+LOOP_TEST(thin_lamps_are_painted_as_large_as_rpict_does, N_ELEM(thin))
 {
     struct rad_params p = params(20, thin[_i].psample);
     struct rad_pixel *picture;
@@ -426,11 +417,10 @@ START_TEST(thin_lamps_are_painted_as_large_as_rpict_does)
     ck_assert_double_eq_tol(sum, thin[_i].filled,
                             .005 * thin[_i].filled + 1e-9);
 }
-END_TEST
 
 /* A ball whose edge is far behind its middle: a pixel that has met it there is
  * all lamp where depth is known, as in rpict. */
-START_TEST(lamps_before_what_a_sample_met_are_added)
+TEST(lamps_before_what_a_sample_met_are_added)
 {
     static const double filled[] = { .20672, .47547 }; /* rpict's */
     struct rad_params p = params(16, 1);
@@ -449,9 +439,8 @@ START_TEST(lamps_before_what_a_sample_met_are_added)
         ck_assert_double_eq_tol(sum, filled[depth], .005 * filled[depth]);
     }
 }
-END_TEST
 
-START_TEST(wide_lamps_and_illums_are_not_painted)
+TEST(wide_lamps_and_illums_are_not_painted)
 {
     static const char lamps[] =
         "void light l 0 0 3 1 1 1 void illum i 0 0 3 1 1 1\n"
@@ -463,9 +452,8 @@ START_TEST(wide_lamps_and_illums_are_not_painted)
     show(lamps, params(20, 1), "-vh 90 -vv 90", false);
     ck_assert_int_eq(pic.frame.paint.n, 0);
 }
-END_TEST
 
-START_TEST(coverage_of_all_pixels_is_the_area)
+TEST(coverage_of_all_pixels_is_the_area)
 {
     static const double poly[][2] = {
         { .11, .13 }, { .83, .27 }, { .71, .9 }, { .2, .66 }
@@ -487,9 +475,8 @@ START_TEST(coverage_of_all_pixels_is_the_area)
         }
     ck_assert_double_eq_tol(sum / 63, twice / 2, 1e-12);
 }
-END_TEST
 
-START_TEST(windows_stay_in_the_picture)
+TEST(windows_stay_in_the_picture)
 {
     static const struct rad_window bad[] = {
         { -1, 0, 5, 5 }, { 0, 0, 49, 5 }, { 44, 44, 5, 5 },
@@ -505,9 +492,8 @@ START_TEST(windows_stay_in_the_picture)
             rad_frame_window(&pic.frame, &pic.w.ctx, &bad[i], rows),
             RAD_EUSAGE);
 }
-END_TEST
 
-START_TEST(pictures_without_pixels_are_refused)
+TEST(pictures_without_pixels_are_refused)
 {
     struct rad_params p = params(300, 1);
     struct rad_view v;
@@ -523,33 +509,4 @@ START_TEST(pictures_without_pixels_are_refused)
     ck_assert_int_eq(rad_frame_size(&p, &v, &width, &height, &aspect, &err),
                      RAD_EUSAGE);
     ck_assert_ptr_nonnull(strstr(err.what, "empty picture"));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("frame");
-
-    tcase_add_checked_fixture(tc, NULL, tear_down);
-    tcase_add_test(tc, windows_make_the_whole_with_every_pixel_traced);
-    tcase_add_test(tc,
-                   pixels_that_are_no_numbers_are_black_and_the_first_is_kept);
-    tcase_add_test(tc, painted_sources_that_are_no_numbers_count_too);
-    tcase_add_test(tc, sampled_windows_repeat_themselves_in_any_order);
-    tcase_add_test(tc, a_frame_in_anothers_place_has_rays_of_its_own);
-    tcase_add_test(tc, a_pixel_is_the_mean_of_its_samples);
-    tcase_add_test(tc, seed_and_frame_move_the_jitter);
-    tcase_add_test(tc, what_is_out_of_focus_blurs_by_the_lens);
-    tcase_add_test(tc, motion_blurs_between_the_views);
-    tcase_add_test(tc, rows_count_from_the_top_and_jitter_stays_inside);
-    tcase_add_test(tc, small_lamps_are_painted_with_their_area);
-    tcase_add_loop_test(tc, thin_lamps_are_painted_as_large_as_rpict_does, 0,
-                        N_ELEM(thin));
-    tcase_add_test(tc, lamps_before_what_a_sample_met_are_added);
-    tcase_add_test(tc, wide_lamps_and_illums_are_not_painted);
-    tcase_add_test(tc, coverage_of_all_pixels_is_the_area);
-    tcase_add_test(tc, windows_stay_in_the_picture);
-    tcase_add_test(tc, pictures_without_pixels_are_refused);
-    return unit_run_case(tc);
 }

@@ -14,7 +14,7 @@
 
 /* --- curves --- */
 
-START_TEST(square_curve_goes_once_through_all_cells_in_steps_of_one)
+TEST(square_curve_goes_once_through_all_cells_in_steps_of_one)
 {
     enum { BITS = 4, N = 1 << 2 * BITS };
     bool seen[1 << BITS][1 << BITS] = { { false } };
@@ -36,7 +36,6 @@ START_TEST(square_curve_goes_once_through_all_cells_in_steps_of_one)
     ck_assert_uint_eq(last[0], (1 << BITS) - 1);
     ck_assert_uint_eq(last[1], 0);
 }
-END_TEST
 
 static int
 by_number(const void *a, const void *b)
@@ -47,7 +46,7 @@ by_number(const void *a, const void *b)
 }
 
 /* The cells of a corner of the cube, which the curve begins with. */
-START_TEST(cube_curve_goes_once_through_all_cells_in_steps_of_one)
+TEST(cube_curve_goes_once_through_all_cells_in_steps_of_one)
 {
     enum { SIDE = 8, N = SIDE * SIDE * SIDE };
     static uint64_t at[N][2];
@@ -71,7 +70,6 @@ START_TEST(cube_curve_goes_once_through_all_cells_in_steps_of_one)
         }
     }
 }
-END_TEST
 
 /* --- layout and file --- */
 
@@ -97,7 +95,7 @@ static double (*some_points(uint32_t n))[6]
 static const uint32_t sizes[] = { 1,   2,   7,    8,    9,    31,   32,   33,
                                   100, 512, 2049, 4097, 8192, 8193, 70000 };
 
-START_TEST(layout_gives_each_point_a_pixel_of_its_own)
+LOOP_TEST(layout_gives_each_point_a_pixel_of_its_own, N_ELEM(sizes))
 {
     uint32_t n = sizes[_i], *pixel = malloc(n * sizeof *pixel);
     double(*p)[6] = some_points(n), org[3], dir[3];
@@ -143,11 +141,10 @@ START_TEST(layout_gives_each_point_a_pixel_of_its_own)
     free(pixel);
     free(p);
 }
-END_TEST
 
 /* Points of a plane: a block of 8 by 8 pixels is as compact as points can be,
  * where in the order of the input it would be a long stripe. */
-START_TEST(layout_keeps_what_is_near_near)
+TEST(layout_keeps_what_is_near_near)
 {
     enum { SIDE = 64, N = SIDE * SIDE };
     static double p[N][6];
@@ -187,9 +184,8 @@ START_TEST(layout_keeps_what_is_near_near)
         }
     ck_assert_int_gt(blocks, N / 64 / 2);
 }
-END_TEST
 
-START_TEST(points_at_one_place_are_laid_out_too)
+TEST(points_at_one_place_are_laid_out_too)
 {
     double(*p)[6] = some_points(50);
     uint32_t pixel[50];
@@ -203,7 +199,6 @@ START_TEST(points_at_one_place_are_laid_out_too)
     ck_assert_int_ge(width * height, 50);
     free(p);
 }
-END_TEST
 
 /* what is put where in a file of 2 by 1 pixels, and does it still open? */
 static const struct {
@@ -218,7 +213,7 @@ static const struct {
     { 0, 120, 'r', false }, { 32 + 6, 0, 0xf0, true },
 };
 
-START_TEST(damaged_file_is_refused)
+LOOP_TEST(damaged_file_is_refused, N_ELEM(damage))
 {
     double p[2][6] = { { 1, 2, 3, 0, 0, 1 }, { 4, 5, 6, 0, 1, 0 } };
     uint32_t pixel[2] = { 0, 1 };
@@ -233,9 +228,8 @@ START_TEST(damaged_file_is_refused)
                      damage[_i].opens ? 0 : RAD_EDATA);
     free(file);
 }
-END_TEST
 
-START_TEST(numbers_that_are_not_finite_are_refused)
+LOOP_TEST(numbers_that_are_not_finite_are_refused, 6)
 {
     double p[2][6] = { { 1, 2, 3, 0, 0, 1 }, { 4, 5, 6, 0, 1, 0 } };
     uint32_t pixel[2] = { 0, 1 };
@@ -248,7 +242,6 @@ START_TEST(numbers_that_are_not_finite_are_refused)
                      RAD_EDATA);
     free(file);
 }
-END_TEST
 
 /* --- pixels --- */
 
@@ -281,6 +274,8 @@ tear_down(void)
     stage_close(&s);
 }
 
+FIXTURE(NULL, tear_down)
+
 static void
 stage_open(struct stage *at, const double (*p)[6], uint32_t n, uint64_t first,
            uint32_t flags)
@@ -301,7 +296,7 @@ stage_open(struct stage *at, const double (*p)[6], uint32_t n, uint64_t first,
     rad_frame_of_points(&at->frame, at->w.job, &at->points, 0);
 }
 
-START_TEST(pixel_is_radiance_along_its_ray)
+TEST(pixel_is_radiance_along_its_ray)
 {
     /* up, up and long, down, beside the lamp, none */
     const double p[5][6] = { { 0, 0, 0, 0, 0, 1 },
@@ -322,9 +317,8 @@ START_TEST(pixel_is_radiance_along_its_ray)
     }
     ck_assert_uint_eq(s.w.ctx.counts.primary_rays, 4);
 }
-END_TEST
 
-START_TEST(length_of_direction_limits_a_ray_where_asked)
+TEST(length_of_direction_limits_a_ray_where_asked)
 {
     const double p[2][6] = { { 0, 0, 0, 0, 0, 2.9 }, { 0, 0, 0, 0, 0, 3.1 } };
     struct rad_pixel got;
@@ -335,11 +329,10 @@ START_TEST(length_of_direction_limits_a_ray_where_asked)
     rad_frame_pixel(&s.frame, &s.w.ctx, 1, 0, &got);
     ck_assert_double_eq_tol((double)got.L.g, 2, 1e-6);
 }
-END_TEST
 
 /* Below the middle of a disk of radius R at distance h it is
  * pi L R^2 / (R^2 + h^2). */
-START_TEST(pixel_is_irradiance_on_its_surface)
+TEST(pixel_is_irradiance_on_its_surface)
 {
     const double p[3][6] = { { 0, 0, 0, 0, 0, 1 },
                              { 0, 0, 1, 0, 0, 5 },
@@ -353,10 +346,9 @@ START_TEST(pixel_is_irradiance_on_its_surface)
         ck_assert_double_eq_tol((double)got.L.g, E[i], 2e-3 * E[i] + 1e-9);
     }
 }
-END_TEST
 
 /* Nor job nor pixel has a say in a point's random numbers. */
-START_TEST(value_goes_by_the_number_of_the_point)
+TEST(value_goes_by_the_number_of_the_point)
 {
     const double p[4][6] = { { 3, 0, 2, 0, 0, 1 },
                              { 3, 0, 2, 0, 0, 1 },
@@ -376,10 +368,9 @@ START_TEST(value_goes_by_the_number_of_the_point)
         stage_close(&one);
     }
 }
-END_TEST
 
 /* Paths of the passes leave a place on a surface to the side of its normal. */
-START_TEST(path_begins_on_the_surface)
+TEST(path_begins_on_the_surface)
 {
     const double p[1][6] = { { 0, 0, 0, 0, 0, 1 } };
     struct rad_ray r, to;
@@ -399,28 +390,4 @@ START_TEST(path_begins_on_the_surface)
     /* 16 of 25 go to the lamp */
     ck_assert_int_ge(met, begun / 2);
     ck_assert_int_le(met, begun * 3 / 4);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("points");
-
-    tcase_add_checked_fixture(tc, NULL, tear_down);
-    tcase_add_test(tc,
-                   square_curve_goes_once_through_all_cells_in_steps_of_one);
-    tcase_add_test(tc, cube_curve_goes_once_through_all_cells_in_steps_of_one);
-    tcase_add_loop_test(tc, layout_gives_each_point_a_pixel_of_its_own, 0,
-                        N_ELEM(sizes));
-    tcase_add_test(tc, layout_keeps_what_is_near_near);
-    tcase_add_test(tc, points_at_one_place_are_laid_out_too);
-    tcase_add_loop_test(tc, damaged_file_is_refused, 0, N_ELEM(damage));
-    tcase_add_loop_test(tc, numbers_that_are_not_finite_are_refused, 0, 6);
-    tcase_add_test(tc, pixel_is_radiance_along_its_ray);
-    tcase_add_test(tc, length_of_direction_limits_a_ray_where_asked);
-    tcase_add_test(tc, pixel_is_irradiance_on_its_surface);
-    tcase_add_test(tc, value_goes_by_the_number_of_the_point);
-    tcase_add_test(tc, path_begins_on_the_surface);
-    return unit_run_case(tc);
 }

@@ -240,7 +240,7 @@ picture_of(int i)
                        cases[i].maxdiff, cases[i].depth);
 }
 
-START_TEST(same_pixels_are_traced_as_in_rpict)
+LOOP_TEST(same_pixels_are_traced_as_in_rpict, N_ELEM(cases))
 {
     struct picture *p = picture_of(_i);
 
@@ -251,7 +251,6 @@ START_TEST(same_pixels_are_traced_as_in_rpict)
             ck_assert_int_le(p->asked[y][x], 1);
     free(p);
 }
-END_TEST
 
 static void
 compare(const struct picture *a, const struct picture *b)
@@ -270,7 +269,7 @@ compare(const struct picture *a, const struct picture *b)
         }
 }
 
-START_TEST(sampler_does_as_the_model)
+LOOP_TEST(sampler_does_as_the_model, N_ELEM(cases))
 {
     for (int where = 0; where < 2; where++) {
         struct picture *p = picture_of(_i);
@@ -285,13 +284,12 @@ START_TEST(sampler_does_as_the_model)
         free(m);
     }
 }
-END_TEST
 
 static const double limits[] = { .002, .05, .3, 1, 1.2 };
 
 /* Differences about the limit, where those within it are not asked for again
  * further down. */
-START_TEST(what_is_about_the_limit_is_as_in_the_model)
+LOOP_TEST(what_is_about_the_limit_is_as_in_the_model, N_ELEM(limits))
 {
     for (int psample = 1; psample <= 16; psample++) {
         struct picture *p = picture_new(psample, 97, 64, limits[_i], false);
@@ -306,7 +304,6 @@ START_TEST(what_is_about_the_limit_is_as_in_the_model)
         free(m);
     }
 }
-END_TEST
 
 /* Base line i, gap by gap, with densities handed over no earlier than they are
  * final above and no later than they are needed. */
@@ -338,7 +335,7 @@ step_line(struct picture *p, int i, const uint8_t *above, uint8_t *below)
     free(heard);
 }
 
-START_TEST(pieces_give_the_same_as_whole_lines)
+LOOP_TEST(pieces_give_the_same_as_whole_lines, N_ELEM(cases))
 {
     struct picture *whole = picture_of(_i);
     struct picture *p = picture_of(_i);
@@ -371,7 +368,6 @@ START_TEST(pieces_give_the_same_as_whole_lines)
     free(p);
     free(whole);
 }
-END_TEST
 
 static void
 trace_flat(void *arg, int x, int y, struct rad_pixel *out)
@@ -385,7 +381,7 @@ trace_flat(void *arg, int x, int y, struct rad_pixel *out)
 /* What lines leave, begun with nothing known at line 1, is what the truth has
  * a few lines on, where there is no detail: to the last, of which no line makes
  * any. */
-START_TEST(a_guess_comes_to_the_truth)
+RANGE_TEST(a_guess_comes_to_the_truth, 2, 17)
 {
     enum { LINES = 12 };
     static struct rad_pixel line[MOST];
@@ -408,9 +404,8 @@ START_TEST(a_guess_comes_to_the_truth)
         ck_assert_mem_eq(truth, guess, rad_quincunx_ndensity(&q));
     }
 }
-END_TEST
 
-START_TEST(steps_make_a_lattice_of_ps_by_ps_pixels)
+TEST(steps_make_a_lattice_of_ps_by_ps_pixels)
 {
     static const int want[][2] = {
         { 1, 1 },  { 3, 1 },   { 4, 2 },   { 6, 3 },  { 7, 4 },  { 8, 4 },
@@ -428,9 +423,8 @@ START_TEST(steps_make_a_lattice_of_ps_by_ps_pixels)
         ck_assert_int_le(ystep, RAD_QUINCUNX_MAX_YSTEP);
     }
 }
-END_TEST
 
-START_TEST(base_lines_reach_from_the_first_row_to_the_last)
+TEST(base_lines_reach_from_the_first_row_to_the_last)
 {
     static const struct {
         int height, n, rows[6];
@@ -449,23 +443,4 @@ START_TEST(base_lines_reach_from_the_first_row_to_the_last)
         for (int k = 0; k < row[i].n; k++)
             ck_assert_int_eq(rad_quincunx_base_row(&q, k), row[i].rows[k]);
     }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("quincunx");
-
-    tcase_add_loop_test(tc, same_pixels_are_traced_as_in_rpict, 0,
-                        N_ELEM(cases));
-    tcase_add_loop_test(tc, sampler_does_as_the_model, 0, N_ELEM(cases));
-    tcase_add_loop_test(tc, what_is_about_the_limit_is_as_in_the_model, 0,
-                        N_ELEM(limits));
-    tcase_add_loop_test(tc, pieces_give_the_same_as_whole_lines, 0,
-                        N_ELEM(cases));
-    tcase_add_loop_test(tc, a_guess_comes_to_the_truth, 2, 17);
-    tcase_add_test(tc, steps_make_a_lattice_of_ps_by_ps_pixels);
-    tcase_add_test(tc, base_lines_reach_from_the_first_row_to_the_last);
-    return unit_run_case(tc);
 }

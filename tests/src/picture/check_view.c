@@ -76,7 +76,7 @@ static const struct {
     { "-vd 0 9 0 -vu 0 5 3 -vh 90 -vv 90", 1, .5, { 1, 1, 0 }, { 0 }, 0 },
 };
 
-START_TEST(rays_follow_the_projection)
+LOOP_TEST(rays_follow_the_projection, N_ELEM(rays))
 {
     struct rad_view v = view_of(rays[_i].view);
     double want[3], org[3], dir[3];
@@ -90,7 +90,6 @@ START_TEST(rays_follow_the_projection)
         ck_assert_double_eq_tol(org[k], rays[_i].org[k], 1e-14);
     }
 }
-END_TEST
 
 /* All rays through the lens meet where the picture is sharp, and start on the
  * fore plane. */
@@ -106,7 +105,7 @@ static const struct {
     { "-vtc -vd 0 5 0 -vh 120 -vv 60", M_PI / 4 },
 };
 
-START_TEST(lens_is_in_focus_at_the_length_of_the_direction)
+LOOP_TEST(lens_is_in_focus_at_the_length_of_the_direction, N_ELEM(lenses))
 {
     struct rad_view v = view_of(lenses[_i].view);
     bool flat = lenses[_i].thick == 0;
@@ -139,9 +138,8 @@ START_TEST(lens_is_in_focus_at_the_length_of_the_direction)
     ck_assert_double_eq_tol(wide, .1, 1e-12);
     ck_assert_double_eq_tol(thick, .1 * lenses[_i].thick, 1e-12);
 }
-END_TEST
 
-START_TEST(corners_of_fisheyes_are_no_rays)
+TEST(corners_of_fisheyes_are_no_rays)
 {
     struct rad_view v = view_of("-vth -vh 180 -vv 180");
     double org[3], dir[3];
@@ -150,7 +148,6 @@ START_TEST(corners_of_fisheyes_are_no_rays)
     v = view_of("-vta -vh 360 -vv 360");
     ck_assert_double_lt(rad_view_ray(&v, .99, .01, org, dir), 0);
 }
-END_TEST
 
 static const char *const turned[] = {
     "-vtv -vp 1 2 3 -vd 1 -.4 .3 -vu .1 .2 1 -vh 70 -vv 40 -vs .2 -vl -.1",
@@ -162,7 +159,7 @@ static const char *const turned[] = {
     "-vts -vp 0 5 1 -vd 1 .4 .3 -vu .1 .2 1 -vh 200 -vv 170",
 };
 
-START_TEST(points_on_a_ray_are_located_where_it_started)
+LOOP_TEST(points_on_a_ray_are_located_where_it_started, N_ELEM(turned))
 {
     struct rad_view v = view_of(turned[_i]);
     int n = 0;
@@ -182,7 +179,6 @@ START_TEST(points_on_a_ray_are_located_where_it_started)
     }
     ck_assert_int_gt(n, 500);
 }
-END_TEST
 
 static const struct {
     const char *view;
@@ -203,16 +199,15 @@ static const struct {
     { "-vtc -vh 360 -vv 90", { .1, -1, 2 }, RAD_VIEW_OUTSIDE },
 };
 
-START_TEST(places_out_of_view_are_told_apart)
+LOOP_TEST(places_out_of_view_are_told_apart, N_ELEM(places))
 {
     struct rad_view v = view_of(places[_i].view);
     double pos[2];
 
     ck_assert_uint_eq(rad_view_locate(&v, places[_i].p, pos), places[_i].bits);
 }
-END_TEST
 
-START_TEST(text_gives_the_same_view)
+LOOP_TEST(text_gives_the_same_view, N_ELEM(turned))
 {
     struct rad_view v = view_of(turned[_i]), w;
     char text[RAD_VIEW_TEXT], again[RAD_VIEW_TEXT];
@@ -226,9 +221,8 @@ START_TEST(text_gives_the_same_view)
     rad_view_format(&w, again, sizeof again);
     ck_assert_str_eq(text, again);
 }
-END_TEST
 
-START_TEST(longest_text_fits)
+TEST(longest_text_fits)
 {
     struct rad_view v;
     char text[RAD_VIEW_TEXT];
@@ -242,7 +236,6 @@ START_TEST(longest_text_fits)
     ck_assert_uint_lt(strlen(text), sizeof text - 1);
     ck_assert_ptr_nonnull(strstr(text, "-vl -1.23456789"));
 }
-END_TEST
 
 static const struct {
     const char *text;
@@ -264,7 +257,7 @@ static const struct {
     { "VIEW= -vtx\n", RAD_EDATA, 0 },
 };
 
-START_TEST(view_lines_are_found)
+LOOP_TEST(view_lines_are_found, N_ELEM(files))
 {
     struct rad_view v;
 
@@ -274,7 +267,6 @@ START_TEST(view_lines_are_found)
         files[_i].lines);
     ck_assert_double_eq(v.vp[0], files[_i].px);
 }
-END_TEST
 
 static const struct {
     const char *view, *what;
@@ -294,7 +286,7 @@ static const struct {
     { "-vo 2 -va 1", "clipping" },
 };
 
-START_TEST(impossible_views_are_refused)
+LOOP_TEST(impossible_views_are_refused, N_ELEM(bad))
 {
     struct rad_view v;
     struct rad_error err = { 0 };
@@ -306,9 +298,8 @@ START_TEST(impossible_views_are_refused)
     ck_assert_int_eq(rad_view_setup(&v, &err), RAD_EUSAGE);
     ck_assert_msg(strstr(err.what, bad[_i].what) != NULL, "%s", err.what);
 }
-END_TEST
 
-START_TEST(resolution_keeps_the_pixel_aspect)
+TEST(resolution_keeps_the_pixel_aspect)
 {
     static const struct {
         const char *view;
@@ -336,26 +327,4 @@ START_TEST(resolution_keeps_the_pixel_aspect)
         ck_assert_int_eq(y, row[i].goty);
         ck_assert_double_eq_tol(aspect, row[i].got, 1e-15);
     }
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("view");
-
-    tcase_add_loop_test(tc, rays_follow_the_projection, 0, N_ELEM(rays));
-    tcase_add_loop_test(tc, lens_is_in_focus_at_the_length_of_the_direction, 0,
-                        N_ELEM(lenses));
-    tcase_add_test(tc, corners_of_fisheyes_are_no_rays);
-    tcase_add_loop_test(tc, points_on_a_ray_are_located_where_it_started, 0,
-                        N_ELEM(turned));
-    tcase_add_loop_test(tc, places_out_of_view_are_told_apart, 0,
-                        N_ELEM(places));
-    tcase_add_loop_test(tc, text_gives_the_same_view, 0, N_ELEM(turned));
-    tcase_add_test(tc, longest_text_fits);
-    tcase_add_loop_test(tc, view_lines_are_found, 0, N_ELEM(files));
-    tcase_add_loop_test(tc, impossible_views_are_refused, 0, N_ELEM(bad));
-    tcase_add_test(tc, resolution_keeps_the_pixel_aspect);
-    return unit_run_case(tc);
 }

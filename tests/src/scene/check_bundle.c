@@ -17,7 +17,7 @@
 #define SHA_EMPTY                                                              \
     "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"
 
-START_TEST(digest_matches_the_standard)
+TEST(digest_matches_the_standard)
 {
     char hex[RAD_SHA_HEX + 1];
     struct rad_sha sha;
@@ -32,9 +32,8 @@ START_TEST(digest_matches_the_standard)
     ck_assert_int_eq(rad_sha_final(&sha, hex, NULL), 0);
     ck_assert_str_eq(hex, SHA_ABC);
 }
-END_TEST
 
-START_TEST(only_64_lower_case_digits_are_a_hash)
+TEST(only_64_lower_case_digits_are_a_hash)
 {
     ck_assert(rad_sha_valid(SHA_ABC));
     ck_assert(!rad_sha_valid(""));
@@ -44,7 +43,6 @@ START_TEST(only_64_lower_case_digits_are_a_hash)
     ck_assert(!rad_sha_valid("BA7816bf8f01cfea414140de5dae2223b00361a396177a9c"
                              "b410ff61f20015ad"));
 }
-END_TEST
 
 static const struct {
     const char *hex;
@@ -56,7 +54,7 @@ static const struct {
     { "", false, false },       { "0xff7a", false, false },
 };
 
-START_TEST(only_digits_are_read_and_none_is_missing)
+LOOP_TEST(only_digits_are_read_and_none_is_missing, N_ELEM(hexes))
 {
     static const uint8_t want[] = { 0, 255, 0x7a };
     uint8_t bytes[3];
@@ -66,9 +64,8 @@ START_TEST(only_digits_are_read_and_none_is_missing)
     if (hexes[_i].read)
         ck_assert_mem_eq(bytes, want, sizeof want);
 }
-END_TEST
 
-START_TEST(digest_of_hex_is_hex_again)
+TEST(digest_of_hex_is_hex_again)
 {
     static const uint8_t first[] = { 0xba, 0x78, 0x16, 0xbf };
     char hex[RAD_SHA_HEX + 1];
@@ -80,7 +77,6 @@ START_TEST(digest_of_hex_is_hex_again)
     rad_sha_to_hex(digest, hex);
     ck_assert_str_eq(hex, SHA_ABC);
 }
-END_TEST
 
 /* Digests that differ in their last byte alone. */
 static void
@@ -91,7 +87,7 @@ digests_ending(uint8_t *list, const char *ends)
         list[(i + 1) * RAD_SHA_BYTES - 1] = (uint8_t)ends[i];
 }
 
-START_TEST(list_of_digests_becomes_a_set)
+TEST(list_of_digests_becomes_a_set)
 {
     uint8_t list[6 * RAD_SHA_BYTES], wanted[3 * RAD_SHA_BYTES];
 
@@ -103,9 +99,8 @@ START_TEST(list_of_digests_becomes_a_set)
     ck_assert_uint_eq(rad_sha_unique(list, 3), 3);
     ck_assert_mem_eq(list, wanted, sizeof wanted);
 }
-END_TEST
 
-START_TEST(digest_is_found_in_a_set)
+TEST(digest_is_found_in_a_set)
 {
     uint8_t list[3 * RAD_SHA_BYTES], one[RAD_SHA_BYTES];
 
@@ -116,7 +111,6 @@ START_TEST(digest_is_found_in_a_set)
     }
     ck_assert(!rad_sha_among(NULL, 0, one));
 }
-END_TEST
 
 static void
 sample(struct rad_bundle *b)
@@ -131,7 +125,7 @@ sample(struct rad_bundle *b)
         !rad_bundle_add(b, RAD_BUNDLE_FILE, "helvet.fnt", SHA_ABC, 3, NULL));
 }
 
-START_TEST(manifest_survives_a_round_trip)
+TEST(manifest_survives_a_round_trip)
 {
     static const char expected[] =
         "radd-bundle 1\n" SHA_ABC " 3 scene -\n" SHA_ABC
@@ -157,9 +151,8 @@ START_TEST(manifest_survives_a_round_trip)
     rad_bundle_release(&b);
     rad_bundle_release(&c);
 }
-END_TEST
 
-START_TEST(one_name_has_one_content)
+TEST(one_name_has_one_content)
 {
     struct rad_bundle b;
 
@@ -175,7 +168,6 @@ START_TEST(one_name_has_one_content)
     ck_assert_int_eq(b.n, 3);
     rad_bundle_release(&b);
 }
-END_TEST
 
 #define HEAD  "radd-bundle 1\n"
 #define SCENE SHA_ABC " 3 scene -\n"
@@ -200,7 +192,7 @@ static const char *const bad_manifest[] = {
     HEAD SCENE "\n",
 };
 
-START_TEST(bad_manifest_is_refused)
+LOOP_TEST(bad_manifest_is_refused, N_ELEM(bad_manifest))
 {
     struct rad_bundle b;
     struct rad_error err = { 0 };
@@ -210,9 +202,8 @@ START_TEST(bad_manifest_is_refused)
     ck_assert(err.what[0]);
     ck_assert_ptr_null(b.entries);
 }
-END_TEST
 
-START_TEST(files_are_read_by_hash)
+TEST(files_are_read_by_hash)
 {
     char dir[] = "/tmp/check_bundleXXXXXX", path[256];
     struct rad_bundle b;
@@ -249,34 +240,12 @@ START_TEST(files_are_read_by_hash)
     unlink(path);
     rmdir(dir);
 }
-END_TEST
 
-START_TEST(reading_a_folder_is_an_input_error)
+TEST(reading_a_folder_is_an_input_error)
 {
     struct rad_error err = { 0 };
     size_t len;
 
     ck_assert_ptr_null(rad_file_read("/", 100, &len, &err));
     ck_assert_int_eq(err.code, RAD_ENOINPUT);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("bundle");
-
-    tcase_add_test(tc, digest_matches_the_standard);
-    tcase_add_test(tc, only_64_lower_case_digits_are_a_hash);
-    tcase_add_loop_test(tc, only_digits_are_read_and_none_is_missing, 0,
-                        N_ELEM(hexes));
-    tcase_add_test(tc, digest_of_hex_is_hex_again);
-    tcase_add_test(tc, list_of_digests_becomes_a_set);
-    tcase_add_test(tc, digest_is_found_in_a_set);
-    tcase_add_test(tc, manifest_survives_a_round_trip);
-    tcase_add_test(tc, one_name_has_one_content);
-    tcase_add_loop_test(tc, bad_manifest_is_refused, 0, N_ELEM(bad_manifest));
-    tcase_add_test(tc, files_are_read_by_hash);
-    tcase_add_test(tc, reading_a_folder_is_an_input_error);
-    return unit_run_case(tc);
 }

@@ -64,7 +64,7 @@ static const struct {
     { "", "atan2", 3, 2, .56672921752350635 /* atan(7/11) */ },
 };
 
-START_TEST(function_is_called_by_its_name)
+LOOP_TEST(function_is_called_by_its_name, N_ELEM(called))
 {
     static const double value[] = { 7, 11, 13 };
     const char *file = called[_i].file, *name = called[_i].name;
@@ -90,12 +90,11 @@ START_TEST(function_is_called_by_its_name)
     rad_calc_env_free(env);
     rad_calc_free(c);
 }
-END_TEST
 
 static const double blues[] = { 3, -2, 0, -0., INFINITY, -INFINITY, NAN };
 
 /* blue() has a short cut; f() is the same by the machine. */
-START_TEST(value_of_a_colour_is_not_negative)
+LOOP_TEST(value_of_a_colour_is_not_negative, N_ELEM(blues))
 {
     static const char text[] = "f(r,g,b)=noneg(noop(b));";
     struct rad_calc *c = rad_calc_new(NULL);
@@ -120,10 +119,9 @@ START_TEST(value_of_a_colour_is_not_negative)
     rad_calc_env_free(env);
     rad_calc_free(c);
 }
-END_TEST
 
 /* What calls are about takes no memory for each of them. */
-START_TEST(argument_of_calls_in_calls_is_there_once)
+TEST(argument_of_calls_in_calls_is_there_once)
 {
     struct rad_calc *c = rad_calc_new(NULL);
     int context = rad_calc_context(c, "test.cal", NULL);
@@ -150,7 +148,6 @@ START_TEST(argument_of_calls_in_calls_is_there_once)
     rad_calc_free(c);
     free(text);
 }
-END_TEST
 
 static const struct {
     const char *file, *name, *problem;
@@ -164,7 +161,7 @@ static const struct {
     { "", "atan2", "too few arguments for atan2()" },
 };
 
-START_TEST(what_is_no_function_is_not_called)
+LOOP_TEST(what_is_no_function_is_not_called, N_ELEM(uncalled))
 {
     const char *file = uncalled[_i].file;
     struct rad_calc *c = rad_calc_new(NULL);
@@ -178,7 +175,6 @@ START_TEST(what_is_no_function_is_not_called)
                   err.what);
     rad_calc_free(c);
 }
-END_TEST
 
 /* A luminaire of 2 by 3 by 4, or 2 across and 3 high, of multiplier 10, seen
  * along D from P. */
@@ -210,7 +206,7 @@ static const struct {
     { "source_phi(90)", { -1, 2, 0 }, 63.43494882292201 },
 };
 
-START_TEST(luminaire_is_corrected_for_its_shape)
+LOOP_TEST(luminaire_is_corrected_for_its_shape, N_ELEM(luminaire))
 {
     static const double sizes[] = { 10, 2, 3, 4 };
     struct rad_calc_input in = { channel, sizes, N_ELEM(sizes) };
@@ -236,7 +232,6 @@ START_TEST(luminaire_is_corrected_for_its_shape)
     rad_calc_env_free(env);
     rad_calc_free(c);
 }
-END_TEST
 
 static const struct {
     const char *text;
@@ -309,7 +304,7 @@ static const struct {
     { "cross(3,D,N)", 1 * 5 - 2 * 4 },
 };
 
-START_TEST(expression_has_its_value)
+LOOP_TEST(expression_has_its_value, N_ELEM(expression))
 {
     enum rad_calc_fault fault;
     double v = evaluate(NULL, expression[_i].text, &fault);
@@ -320,7 +315,6 @@ START_TEST(expression_has_its_value)
                       (strstr(expression[_i].text, "unif") ? 4.5e-4 : 1e-12),
                   "%s = %.17g", expression[_i].text, v);
 }
-END_TEST
 
 static const struct {
     const char *file, *text;
@@ -363,7 +357,7 @@ static const struct {
     { "f(x) = and(x-1,x); g(y) = bound(0,f(y),y+1);", "g(A1*2)", 4 },
 };
 
-START_TEST(names_are_found_in_their_scope)
+LOOP_TEST(names_are_found_in_their_scope, N_ELEM(scoped))
 {
     enum rad_calc_fault fault;
     double v = evaluate(scoped[_i].file, scoped[_i].text, &fault);
@@ -371,9 +365,8 @@ START_TEST(names_are_found_in_their_scope)
     ck_assert_int_eq(fault, RAD_CALC_SOUND);
     ck_assert_double_eq_tol(v, scoped[_i].value, 1e-12);
 }
-END_TEST
 
-START_TEST(files_do_not_see_each_others_names)
+TEST(files_do_not_see_each_others_names)
 {
     struct rad_error err = { 0 };
     struct rad_calc *c = rad_calc_new(&err);
@@ -389,7 +382,6 @@ START_TEST(files_do_not_see_each_others_names)
     ck_assert_str_eq(err.what, "undefined variable 'own'");
     rad_calc_free(c);
 }
-END_TEST
 
 static const struct {
     const char *file, *text;
@@ -466,7 +458,7 @@ static const struct {
     { "h(x) = x-3; z(f) : f(3);", ".3+z(h)*log(A2)", .3, RAD_CALC_MATH },
 };
 
-START_TEST(literals_decide_when_an_expression_is_read)
+LOOP_TEST(literals_decide_when_an_expression_is_read, N_ELEM(folded))
 {
     enum rad_calc_fault fault;
     double v = evaluate(folded[_i].file, folded[_i].text, &fault);
@@ -475,7 +467,6 @@ START_TEST(literals_decide_when_an_expression_is_read)
                   (int)fault);
     ck_assert_double_eq_tol(v, folded[_i].value, 1e-12);
 }
-END_TEST
 
 /* Values of calls are kept while the ray is the same. */
 static const struct {
@@ -494,7 +485,7 @@ static const struct {
     { { "1+0*h(2)", "f(1)+h(2)" }, 1, RAD_CALC_MATH },
 };
 
-START_TEST(what_a_call_gives_is_kept_for_a_ray)
+LOOP_TEST(what_a_call_gives_is_kept_for_a_ray, N_ELEM(shared))
 {
     static const char text[] =
         "f(x) = x*Dx; g(x) = max(x*Dx,0); h(x) = log(-x*Dx);";
@@ -528,11 +519,10 @@ START_TEST(what_a_call_gives_is_kept_for_a_ray)
     rad_calc_env_free(e);
     rad_calc_free(c);
 }
-END_TEST
 
 /* 16384 values have room on the stack.  Each of 3275 calls leaves five there,
  * and some more are there before; then the value that is kept is pushed. */
-START_TEST(value_that_is_kept_is_not_pushed_beyond_the_end_of_the_stack)
+LOOP_TEST(value_that_is_kept_is_not_pushed_beyond_the_end_of_the_stack, 12)
 {
     static const char file[] =
         "f(x) = x*Dx;"
@@ -563,9 +553,8 @@ START_TEST(value_that_is_kept_is_not_pushed_beyond_the_end_of_the_stack)
     rad_calc_env_free(e);
     rad_calc_free(c);
 }
-END_TEST
 
-START_TEST(fault_is_told_and_bounded)
+LOOP_TEST(fault_is_told_and_bounded, N_ELEM(faulty))
 {
     enum rad_calc_fault fault;
     double v = evaluate(faulty[_i].file, faulty[_i].text, &fault);
@@ -574,7 +563,6 @@ START_TEST(fault_is_told_and_bounded)
                   (int)fault);
     ck_assert_double_eq_tol(v, faulty[_i].value, 1e-12);
 }
-END_TEST
 
 static const struct {
     const char *text, *where, *what;
@@ -596,7 +584,7 @@ static const struct {
     { "a = sin();", "bad.cal:1", "expected a value, got ')'" },
 };
 
-START_TEST(bad_text_is_refused_with_its_line)
+LOOP_TEST(bad_text_is_refused_with_its_line, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
     struct rad_calc *c = rad_calc_new(&err);
@@ -609,9 +597,8 @@ START_TEST(bad_text_is_refused_with_its_line)
     ck_assert_str_eq(err.what, bad[_i].what);
     rad_calc_free(c);
 }
-END_TEST
 
-START_TEST(undefined_name_is_refused_where_it_is_used)
+TEST(undefined_name_is_refused_where_it_is_used)
 {
     static const char text[] = "a = 1;\nb = a+nope;\nc = 2;";
     struct rad_error err = { 0 };
@@ -626,10 +613,9 @@ START_TEST(undefined_name_is_refused_where_it_is_used)
     ck_assert_str_eq(err.what, "undefined variable 'nope'");
     rad_calc_free(c);
 }
-END_TEST
 
 /* Deep and long input must not reach the end of C's stack. */
-START_TEST(expression_is_compiled_once_while_names_mean_the_same)
+TEST(expression_is_compiled_once_while_names_mean_the_same)
 {
     struct rad_calc *c = rad_calc_new(NULL);
     int a = rad_calc_context(c, "a.cal", NULL);
@@ -657,10 +643,9 @@ START_TEST(expression_is_compiled_once_while_names_mean_the_same)
     ck_assert_int_lt(rad_calc_compile(c, a, "k+", &again, NULL), 0);
     rad_calc_free(c);
 }
-END_TEST
 
 /* What a program writes that knows no data files. */
-START_TEST(table_of_ifs_is_read)
+TEST(table_of_ifs_is_read)
 {
     char text[20000] = "";
     enum rad_calc_fault fault;
@@ -672,9 +657,8 @@ START_TEST(table_of_ifs_is_read)
     memset(text + len, ')', 1000);
     ck_assert_double_eq(evaluate(NULL, text, &fault), 502); /* A1 is 2 */
 }
-END_TEST
 
-START_TEST(nesting_is_bounded)
+TEST(nesting_is_bounded)
 {
     static char text[400001];
     struct rad_error err = { 0 };
@@ -694,11 +678,10 @@ START_TEST(nesting_is_bounded)
     ck_assert_int_eq(rad_calc_expression(c, 0, text, &err), RAD_EDATA);
     rad_calc_free(c);
 }
-END_TEST
 
 /* Noise is 0 on the lattice, and its slope along an axis there is the gradient
  * that the lattice point has, +-1 or 0. */
-START_TEST(noise_follows_its_definition)
+TEST(noise_follows_its_definition)
 {
     enum rad_calc_fault fault;
     double x;
@@ -717,9 +700,8 @@ START_TEST(noise_follows_its_definition)
                             evaluate(NULL, "fnoise3(1.00001,1,1)", &fault),
                             .01);
 }
-END_TEST
 
-START_TEST(rand_follows_its_formula)
+TEST(rand_follows_its_formula)
 {
     enum rad_calc_fault fault;
     double x = 5 * (1 / 26. + 2.71828182845904);
@@ -728,7 +710,6 @@ START_TEST(rand_follows_its_formula)
     ck_assert_double_eq_tol(evaluate(NULL, "rand(5)", &fault), x - floor(x),
                             1e-9);
 }
-END_TEST
 
 /* --- transforms ---------------------------------------------------------- */
 
@@ -753,7 +734,7 @@ static const struct {
       1 },
 };
 
-START_TEST(transform_moves_a_point_and_back)
+LOOP_TEST(transform_moves_a_point_and_back, N_ELEM(xform))
 {
     struct rad_xform x, back;
     double q[3];
@@ -769,7 +750,6 @@ START_TEST(transform_moves_a_point_and_back)
     for (int i = 0; i < 3; i++)
         ck_assert_double_eq_tol(q[i], xform[_i].p[i], 1e-14);
 }
-END_TEST
 
 static const struct {
     const char *words[4];
@@ -785,7 +765,7 @@ static const struct {
     { { "-s", "1e200" }, 2 },
 };
 
-START_TEST(bad_transform_is_refused)
+LOOP_TEST(bad_transform_is_refused, N_ELEM(bad_xform))
 {
     struct rad_xform x;
     struct rad_error err = { 0 };
@@ -794,42 +774,4 @@ START_TEST(bad_transform_is_refused)
         rad_xform_parse(&x, bad_xform[_i].words, bad_xform[_i].n, &err),
         RAD_EDATA);
     ck_assert_str_ne(err.what, "");
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("calc");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_test(tc, argument_of_calls_in_calls_is_there_once);
-    tcase_add_loop_test(tc, function_is_called_by_its_name, 0, N_ELEM(called));
-    tcase_add_loop_test(tc, value_of_a_colour_is_not_negative, 0,
-                        N_ELEM(blues));
-    tcase_add_loop_test(tc, what_is_no_function_is_not_called, 0,
-                        N_ELEM(uncalled));
-    tcase_add_loop_test(tc, luminaire_is_corrected_for_its_shape, 0,
-                        N_ELEM(luminaire));
-    tcase_add_loop_test(tc, expression_has_its_value, 0, N_ELEM(expression));
-    tcase_add_loop_test(tc, names_are_found_in_their_scope, 0, N_ELEM(scoped));
-    tcase_add_test(tc, files_do_not_see_each_others_names);
-    tcase_add_loop_test(tc, literals_decide_when_an_expression_is_read, 0,
-                        N_ELEM(folded));
-    tcase_add_loop_test(tc, what_a_call_gives_is_kept_for_a_ray, 0,
-                        N_ELEM(shared));
-    tcase_add_loop_test(tc, fault_is_told_and_bounded, 0, N_ELEM(faulty));
-    tcase_add_loop_test(tc, bad_text_is_refused_with_its_line, 0, N_ELEM(bad));
-    tcase_add_test(tc, undefined_name_is_refused_where_it_is_used);
-    tcase_add_loop_test(
-        tc, value_that_is_kept_is_not_pushed_beyond_the_end_of_the_stack, 0,
-        12);
-    tcase_add_test(tc, expression_is_compiled_once_while_names_mean_the_same);
-    tcase_add_test(tc, table_of_ifs_is_read);
-    tcase_add_test(tc, nesting_is_bounded);
-    tcase_add_test(tc, noise_follows_its_definition);
-    tcase_add_test(tc, rand_follows_its_formula);
-    tcase_add_loop_test(tc, transform_moves_a_point_and_back, 0, N_ELEM(xform));
-    tcase_add_loop_test(tc, bad_transform_is_refused, 0, N_ELEM(bad_xform));
-    return unit_run_case(tc);
 }

@@ -69,7 +69,7 @@ static const struct {
     { "1 0 1 2 .5#half\n1.5#", { .5 }, 1 },
 };
 
-START_TEST(value_is_interpolated)
+LOOP_TEST(value_is_interpolated, N_ELEM(values))
 {
     struct rad_error err = { 0 };
     struct rad_arena arena;
@@ -80,10 +80,9 @@ START_TEST(value_is_interpolated)
                             1e-6 * (1 + fabs(values[_i].value)));
     rad_arena_release(&arena);
 }
-END_TEST
 
 /* f = 1 + 2a + 3b + 5c + 7d + 11e + 13f is a plane in six dimensions. */
-START_TEST(six_dimensions_are_interpolated)
+TEST(six_dimensions_are_interpolated)
 {
     static const double slope[6] = { 2, 3, 5, 7, 11, 13 };
     static const double at[6] = { .5, .25, .125, .75, .3, .9 };
@@ -115,7 +114,6 @@ START_TEST(six_dimensions_are_interpolated)
                                 1e-5);
     rad_arena_release(&arena);
 }
-END_TEST
 
 static const struct {
     const char *text, *problem;
@@ -142,7 +140,7 @@ static const struct {
       "word too long" },
 };
 
-START_TEST(bad_data_file_is_refused)
+LOOP_TEST(bad_data_file_is_refused, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
     struct rad_arena arena;
@@ -152,7 +150,6 @@ START_TEST(bad_data_file_is_refused)
     ck_assert_msg(strstr(err.what, bad[_i].problem) != NULL, "%s", err.what);
     rad_arena_release(&arena);
 }
-END_TEST
 
 /* --- pictures ------------------------------------------------------------ */
 
@@ -217,7 +214,7 @@ static const struct {
     { "", "-Y 2 +X 3", -.375, 1.5, -.5, 1.5 }, /* straight on */
 };
 
-START_TEST(picture_is_interpolated)
+LOOP_TEST(picture_is_interpolated, N_ELEM(pixels))
 {
     struct rad_error err = { 0 };
     struct rad_arena arena;
@@ -232,9 +229,8 @@ START_TEST(picture_is_interpolated)
     ck_assert_double_eq_tol(rgb[2], 7.5 / 128, 1e-6);
     rad_arena_release(&arena);
 }
-END_TEST
 
-START_TEST(one_pixel_is_the_same_everywhere)
+TEST(one_pixel_is_the_same_everywhere)
 {
     static const char text[] = "#?RADIANCE\n\n-Y 1 +X 1\n\x40\x20\x10\x81";
     struct rad_error err = { 0 };
@@ -250,7 +246,6 @@ START_TEST(one_pixel_is_the_same_everywhere)
     ck_assert_double_eq_tol(rgb[2], 16.5 / 128, 1e-6);
     rad_arena_release(&arena);
 }
-END_TEST
 
 static const char *const bad_pictures[] = {
     "",
@@ -259,7 +254,7 @@ static const char *const bad_pictures[] = {
     "#?RADIANCE\nPIXASPECT=-1\n\n-Y 1 +X 1\nabcd",
 };
 
-START_TEST(bad_picture_is_refused)
+LOOP_TEST(bad_picture_is_refused, N_ELEM(bad_pictures))
 {
     const char *text = bad_pictures[_i];
     struct rad_error err = { 0 };
@@ -269,19 +264,4 @@ START_TEST(bad_picture_is_refused)
     ck_assert_ptr_null(parse_picture(&arena, text, strlen(text), &err));
     ck_assert_int_eq(err.code, RAD_EDATA);
     rad_arena_release(&arena);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("data");
-
-    tcase_add_loop_test(tc, value_is_interpolated, 0, N_ELEM(values));
-    tcase_add_test(tc, six_dimensions_are_interpolated);
-    tcase_add_loop_test(tc, bad_data_file_is_refused, 0, N_ELEM(bad));
-    tcase_add_loop_test(tc, picture_is_interpolated, 0, N_ELEM(pixels));
-    tcase_add_test(tc, one_pixel_is_the_same_everywhere);
-    tcase_add_loop_test(tc, bad_picture_is_refused, 0, N_ELEM(bad_pictures));
-    return unit_run_case(tc);
 }

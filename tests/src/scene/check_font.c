@@ -33,7 +33,9 @@ teardown(void)
     rad_arena_release(&arena);
 }
 
-START_TEST(font_has_the_glyphs_of_its_file)
+FIXTURE(setup, teardown)
+
+TEST(font_has_the_glyphs_of_its_file)
 {
     ck_assert_ptr_nonnull(font);
     ck_assert_int_eq(font->mean_width, MEAN);
@@ -43,7 +45,6 @@ START_TEST(font_has_the_glyphs_of_its_file)
     ck_assert_int_eq(font->glyph[' ']->nverts, 0);
     ck_assert_ptr_null(font->glyph['C']);
 }
-END_TEST
 
 static const struct {
     char c;
@@ -58,13 +59,12 @@ static const struct {
     { 'B', 253.5, 0.5, true }, { ' ', 128, 128, false },
 };
 
-START_TEST(glyph_is_inside_by_even_odd_rule)
+LOOP_TEST(glyph_is_inside_by_even_odd_rule, N_ELEM(place))
 {
     ck_assert_int_eq(rad_glyph_inside(font->glyph[(int)place[_i].c],
                                       place[_i].x, place[_i].y),
                      place[_i].in);
 }
-END_TEST
 
 /* Widths and starts by hand from the extents: A 50..200, B 0..254. */
 static const struct {
@@ -85,7 +85,7 @@ static const struct {
     { "", 10, 10, { 0 } },
 };
 
-START_TEST(line_is_set_by_hand_computed_places)
+LOOP_TEST(line_is_set_by_hand_computed_places, N_ELEM(setting))
 {
     struct rad_textline line;
     const char *s = setting[_i].text;
@@ -97,10 +97,9 @@ START_TEST(line_is_set_by_hand_computed_places)
     for (int i = 0; s[i]; i++)
         ck_assert_int_eq(line.start[i], setting[_i].start[i]);
 }
-END_TEST
 
 /* The bisection against the plain walk over all letters. */
-START_TEST(place_in_line_agrees_with_trying_every_letter)
+LOOP_TEST(place_in_line_agrees_with_trying_every_letter, 5)
 {
     static const char text[] = "AB BA? A   AAB BB      A AB?B A";
     static const int spacing[] = { 0, 7, 60, -7, -60 };
@@ -123,7 +122,6 @@ START_TEST(place_in_line_agrees_with_trying_every_letter)
         }
     ck_assert_int_gt(inside, 1000);
 }
-END_TEST
 
 static const struct {
     const char *text, *what;
@@ -142,7 +140,7 @@ static const struct {
     { "65 0 999999999", "line 1: expected an integer" },
 };
 
-START_TEST(bad_font_says_where)
+LOOP_TEST(bad_font_says_where, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
 
@@ -151,9 +149,8 @@ START_TEST(bad_font_says_where)
     ck_assert_int_eq(err.code, RAD_EDATA);
     ck_assert_str_eq(err.what, bad[_i].what);
 }
-END_TEST
 
-START_TEST(overlong_line_is_refused)
+TEST(overlong_line_is_refused)
 {
     struct rad_error err = { 0 };
     struct rad_textline line;
@@ -168,22 +165,4 @@ START_TEST(overlong_line_is_refused)
         rad_textline_set(&line, font, &arena, text, n - 1, 0, NULL), 0);
     ck_assert_int_eq(line.width, 25500000);
     free(text);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("font");
-
-    tcase_add_checked_fixture(tc, setup, teardown);
-    tcase_add_test(tc, font_has_the_glyphs_of_its_file);
-    tcase_add_loop_test(tc, glyph_is_inside_by_even_odd_rule, 0, N_ELEM(place));
-    tcase_add_loop_test(tc, line_is_set_by_hand_computed_places, 0,
-                        N_ELEM(setting));
-    tcase_add_loop_test(tc, place_in_line_agrees_with_trying_every_letter, 0,
-                        5);
-    tcase_add_loop_test(tc, bad_font_says_where, 0, N_ELEM(bad));
-    tcase_add_test(tc, overlong_line_is_refused);
-    return unit_run_case(tc);
 }

@@ -73,7 +73,7 @@ fresnel(double n, double i, double R[2])
 /* Ribs without height are a slab: (1 - R)/(1 + R) passes, and goes on as it
  * came. R is the mean of both polarizations, for their shares are not followed.
  */
-START_TEST(level_pane_is_a_slab)
+TEST(level_pane_is_a_slab)
 {
     static const double angle[] = { 0, .3, .9, 1.3 };
     const struct pane slab = { 1, 2, 0, 0, 1.5, 1e-9, 4, 0, 1e-3, 0 };
@@ -95,11 +95,10 @@ START_TEST(level_pane_is_a_slab)
                                     1, 1e-7);
         }
 }
-END_TEST
 
 /* Straight onto the flat side: the ribs' sides, inclined by atan(d/a) and
  * atan(d/b), refract each its part of the light by Snell's law. */
-START_TEST(ribs_refract_by_snell)
+TEST(ribs_refract_by_snell)
 {
     const struct pane ribs = { 3, 1, 0, .2, 1.5, 1e-6, 4, 0, 1e-9, 0 };
     const double dir[3] = { 1, 0, 0 };
@@ -120,11 +119,10 @@ START_TEST(ribs_refract_by_snell)
         ck_assert_double_eq_tol(sound(&ribs, dir, 2, 1, k + 1), 0, 1e-12);
     }
 }
-END_TEST
 
 /* All that comes out, passed and thrown back, is what came in, but for what a
  * metallic side keeps. */
-START_TEST(energy_is_kept)
+TEST(energy_is_kept)
 {
     static const double dirs[][3] = {
         { 1, 0, 0 },    { 1, .7, .1 }, { 1, -2, .5 },
@@ -148,11 +146,10 @@ START_TEST(energy_is_kept)
                 ck_assert_double_le(sum, 1 + 1e-9);
         }
 }
-END_TEST
 
 /* To a source, only what goes there counts; the second way then has the first
  * of these, for each way has an image of its own. */
-START_TEST(rays_to_a_source_are_found)
+TEST(rays_to_a_source_are_found)
 {
     const struct pane ribs = { 3, 1, 0, .2, 1.5, 1e-6, 4, 0, 1e-9, .01 };
     const double dir[3] = { 1, 0, 0 };
@@ -169,10 +166,9 @@ START_TEST(rays_to_a_source_are_found)
     aim[1] = .5; /* nothing goes there */
     ck_assert_double_eq(value(&ribs, dir, aim, 3, 1, 1, &fault), 0);
 }
-END_TEST
 
 /* There is no such ray: none, straight ahead. */
-START_TEST(missing_ray_has_no_energy)
+TEST(missing_ray_has_no_energy)
 {
     const struct pane slab = { 1, 2, 0, 0, 1.5, 1e-9, 4, 0, 1e-3, 0 };
     const double along[3] = { 0, 1, 0 }, dir[3] = { 1, 0, 0 };
@@ -182,7 +178,6 @@ START_TEST(missing_ray_has_no_energy)
     for (int what = 0; what < 4; what++)
         ck_assert_double_eq(sound(&slab, along, what, 1, 1), 0);
 }
-END_TEST
 
 static const struct {
     struct pane pane;
@@ -200,7 +195,7 @@ static const struct {
     { { NAN, 2, 0, 1, 1.5, .01, 4, 0, .1, 0 }, 3 },
 };
 
-START_TEST(what_is_no_pane_is_a_fault)
+LOOP_TEST(what_is_no_pane_is_a_fault, N_ELEM(bad))
 {
     const double dir[3] = { 1, 0, 0 };
     enum rad_calc_fault fault;
@@ -208,19 +203,17 @@ START_TEST(what_is_no_pane_is_a_fault)
     value(&bad[_i].pane, dir, NULL, bad[_i].what, 1, 1, &fault);
     ck_assert_int_eq(fault, RAD_CALC_MATH);
 }
-END_TEST
 
 /* However little is too little, and however near is the same, it ends. */
-START_TEST(work_is_bounded)
+TEST(work_is_bounded)
 {
     const struct pane endless = { 1, 1, 0, 1e-3, 3, 0, 1, 1, 1e-300, 0 };
     const double dir[3] = { 1, 3, 2 };
 
     ck_assert_double_le(sound(&endless, dir, 3, 0, 1), 1);
 }
-END_TEST
 
-START_TEST(other_types_do_not_have_it)
+TEST(other_types_do_not_have_it)
 {
     struct rad_calc *c = rad_calc_new(NULL);
     struct rad_error err = { 0 };
@@ -230,21 +223,4 @@ START_TEST(other_types_do_not_have_it)
                      RAD_EDATA);
     ck_assert_ptr_nonnull(strstr(err.what, "'fprism_val'"));
     rad_calc_free(c);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("fprism");
-
-    tcase_add_test(tc, level_pane_is_a_slab);
-    tcase_add_test(tc, ribs_refract_by_snell);
-    tcase_add_test(tc, energy_is_kept);
-    tcase_add_test(tc, rays_to_a_source_are_found);
-    tcase_add_test(tc, missing_ray_has_no_energy);
-    tcase_add_loop_test(tc, what_is_no_pane_is_a_fault, 0, N_ELEM(bad));
-    tcase_add_test(tc, work_is_bounded);
-    tcase_add_test(tc, other_types_do_not_have_it);
-    return unit_run_case(tc);
 }

@@ -371,7 +371,7 @@ try(const char *text, size_t len, uint64_t key)
     return rc == 0;
 }
 
-START_TEST(hostile_scenes_are_refused_or_rendered)
+LOOP_TEST(hostile_scenes_are_refused_or_rendered, PARTS)
 {
     const char *many = getenv("HOSTILE_SCENES");
     long n = many ? atol(many) : 1000, part = (n + PARTS - 1) / PARTS;
@@ -394,15 +394,4 @@ START_TEST(hostile_scenes_are_refused_or_rendered)
         free(scenes[i]);
     nscenes = 0;
     ck_assert_int_ge(rendered, part / 4); /* the rest is refused */
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("hostile");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, hostile_scenes_are_refused_or_rendered, 0, PARTS);
-    return unit_run_case(tc);
 }

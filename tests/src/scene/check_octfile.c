@@ -87,7 +87,7 @@ assert_same(const struct rad_scene *a, const struct rad_scene *b,
         assert_same_object(&a->objects[i], &b->objects[i], tolerance);
 }
 
-START_TEST(scene_survives_to_the_last_bit)
+TEST(scene_survives_to_the_last_bit)
 {
     struct rad_scene *a = parsed(text), *b = rad_scene_new();
     struct rad_memory_out file = written(a), again;
@@ -103,7 +103,6 @@ START_TEST(scene_survives_to_the_last_bit)
     rad_scene_free(a);
     rad_scene_free(b);
 }
-END_TEST
 
 /* Where the part that Radiance reads ends. */
 static size_t
@@ -115,7 +114,7 @@ exact_part(const struct rad_memory_out *file)
     ck_abort_msg("no exact part");
 }
 
-START_TEST(radiance_part_stands_alone)
+TEST(radiance_part_stands_alone)
 {
     struct rad_scene *a = parsed(text), *b = rad_scene_new();
     struct rad_memory_out file = written(a);
@@ -127,9 +126,8 @@ START_TEST(radiance_part_stands_alone)
     rad_scene_free(a);
     rad_scene_free(b);
 }
-END_TEST
 
-START_TEST(tree_is_read_as_written)
+TEST(tree_is_read_as_written)
 {
     struct rad_scene *s = rad_scene_new(), *back = rad_scene_new();
     struct rad_octree t, u;
@@ -164,7 +162,6 @@ START_TEST(tree_is_read_as_written)
     rad_scene_free(back);
     free(file.bytes);
 }
-END_TEST
 
 /* Bytes by hand, as Radiance's format has them: one sphere of radius 1/2 in a
  * cube of edge 2, with reals as oconv writes them. */
@@ -187,7 +184,7 @@ static const unsigned char by_hand[] =
     "\xc0\x00\x00\x01\0" /* -1/2 */
     "\x3f\xff\xff\xff\0\377" /* 1/2 */;
 
-START_TEST(bytes_mean_what_radiance_says)
+TEST(bytes_mean_what_radiance_says)
 {
     struct rad_scene *s = rad_scene_new();
     struct rad_octree t;
@@ -210,9 +207,8 @@ START_TEST(bytes_mean_what_radiance_says)
     rad_octree_release(&t);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(a_file_cut_anywhere_is_refused)
+TEST(a_file_cut_anywhere_is_refused)
 {
     struct rad_scene *a = parsed(text);
     struct rad_memory_out file = written(a);
@@ -243,10 +239,9 @@ START_TEST(a_file_cut_anywhere_is_refused)
     free(file.bytes);
     rad_scene_free(a);
 }
-END_TEST
 
 /* A byte changed: an error or another scene, never a crash. */
-START_TEST(a_damaged_file_is_survived)
+TEST(a_damaged_file_is_survived)
 {
     struct rad_scene *a = parsed(text);
     struct rad_memory_out file = written(a);
@@ -268,7 +263,6 @@ START_TEST(a_damaged_file_is_survived)
     free(file.bytes);
     rad_scene_free(a);
 }
-END_TEST
 
 /* What by_hand becomes when one byte is another, and what is said of it. */
 static const struct {
@@ -295,7 +289,7 @@ static const struct {
     { "\0\0\0\1\2", 3, 2, "x.oct: 1 objects instead of 2" },
 };
 
-START_TEST(damage_is_named)
+LOOP_TEST(damage_is_named, N_ELEM(damage))
 {
     unsigned char file[sizeof by_hand];
     const char *find = damage[_i].find;
@@ -321,9 +315,8 @@ START_TEST(damage_is_named)
                       "%s", message);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(what_is_an_octree_is_known_by_its_header)
+TEST(what_is_an_octree_is_known_by_its_header)
 {
     static const char long_one[] = "#?RADIANCE\nFORMAT=   Radiance_octree \n\n";
 
@@ -334,31 +327,11 @@ START_TEST(what_is_an_octree_is_known_by_its_header)
     ck_assert(!rad_octfile_is("# a comment\nFORMAT=Radiance_octree\n", 36));
     ck_assert(!rad_octfile_is("", 0));
 }
-END_TEST
 
-START_TEST(a_missing_file_is_no_input)
+TEST(a_missing_file_is_no_input)
 {
     struct rad_error err = { 0 };
 
     ck_assert_ptr_null(rad_octfile_load("/nonexistent/x.oct", &err));
     ck_assert_int_eq(err.code, RAD_ENOINPUT);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("octfile");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_test(tc, scene_survives_to_the_last_bit);
-    tcase_add_test(tc, radiance_part_stands_alone);
-    tcase_add_test(tc, tree_is_read_as_written);
-    tcase_add_test(tc, bytes_mean_what_radiance_says);
-    tcase_add_test(tc, a_file_cut_anywhere_is_refused);
-    tcase_add_test(tc, a_damaged_file_is_survived);
-    tcase_add_loop_test(tc, damage_is_named, 0, N_ELEM(damage));
-    tcase_add_test(tc, what_is_an_octree_is_known_by_its_header);
-    tcase_add_test(tc, a_missing_file_is_no_input);
-    return unit_run_case(tc);
 }

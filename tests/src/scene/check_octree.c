@@ -210,12 +210,11 @@ check_cubes(int which, int leaf)
     rad_scene_free(s);
 }
 
-START_TEST(a_cube_names_every_surface_in_it)
+LOOP_TEST(a_cube_names_every_surface_in_it, N_ELEM(scenes))
 {
     check_cubes(_i, RAD_OCTREE_LEAF);
     check_cubes(_i, RAD_OCTREE_MAX_SET);
 }
-END_TEST
 
 /* --- the test of one cube ----------------------------------------------------
  */
@@ -279,7 +278,7 @@ static const struct {
     { RAD_RING, 8, { 0, 0, 0, 0, 0, 9, 9, 4 }, { 6, 0, 1.5 }, 1, 0 },
 };
 
-START_TEST(cube_and_surface_meet)
+LOOP_TEST(cube_and_surface_meet, N_ELEM(cubes))
 {
     struct rad_object o = { .type = cubes[_i].type,
                             .name = "x",
@@ -292,7 +291,6 @@ START_TEST(cube_and_surface_meet)
         rad_overlaps_cube(&o, &e, cubes[_i].centre, cubes[_i].half),
         cubes[_i].meets);
 }
-END_TEST
 
 static const struct {
     enum rad_otype type;
@@ -309,7 +307,7 @@ static const struct {
     { RAD_SOURCE, 4, { 0, 0, 1, 5 } },
 };
 
-START_TEST(what_has_no_area_is_in_no_cube)
+LOOP_TEST(what_has_no_area_is_in_no_cube, N_ELEM(nothing))
 {
     struct rad_scene *s = rad_scene_new();
     struct rad_octree t;
@@ -321,9 +319,8 @@ START_TEST(what_has_no_area_is_in_no_cube)
     rad_octree_release(&t);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(coincident_surfaces_end)
+TEST(coincident_surfaces_end)
 {
     static const double square[12] = { 0, 0, 0, 1, 0, .1, 1, 1, .1, 0, 1, 0 };
     struct rad_scene *s = rad_scene_new();
@@ -342,9 +339,8 @@ START_TEST(coincident_surfaces_end)
     rad_octree_release(&t);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(crossing_surfaces_stay_within_the_budget)
+TEST(crossing_surfaces_stay_within_the_budget)
 {
     struct draw d = { 5, 0 };
     struct rad_scene *s = rad_scene_new();
@@ -361,9 +357,8 @@ START_TEST(crossing_surfaces_stay_within_the_budget)
     rad_octree_release(&t);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(too_large_a_scene_is_refused)
+TEST(too_large_a_scene_is_refused)
 {
     static const double v[4] = { 1e307, 0, 0, 1e306 };
     struct rad_scene *s = rad_scene_new();
@@ -375,21 +370,4 @@ START_TEST(too_large_a_scene_is_refused)
     ck_assert(err.what[0]);
     rad_octree_release(&t);
     rad_scene_free(s);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("octree");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, a_cube_names_every_surface_in_it, 0,
-                        N_ELEM(scenes));
-    tcase_add_loop_test(tc, cube_and_surface_meet, 0, N_ELEM(cubes));
-    tcase_add_loop_test(tc, what_has_no_area_is_in_no_cube, 0, N_ELEM(nothing));
-    tcase_add_test(tc, coincident_surfaces_end);
-    tcase_add_test(tc, crossing_surfaces_stay_within_the_budget);
-    tcase_add_test(tc, too_large_a_scene_is_refused);
-    return unit_run_case(tc);
 }

@@ -55,7 +55,7 @@ static const struct {
     { "4.89858719659e-17", 4.89858719659e-17 },
 };
 
-START_TEST(number_is_the_nearest_double)
+LOOP_TEST(number_is_the_nearest_double, N_ELEM(numbers))
 {
     char text[256], message[512];
     struct rad_scene *s;
@@ -69,7 +69,6 @@ START_TEST(number_is_the_nearest_double)
                      signbit(numbers[_i].value) != 0);
     rad_scene_free(s);
 }
-END_TEST
 
 static const char *const bad_numbers[] = {
     "nan",   "inf",  "-infinity", "0x10",  "1e",    "1e+",
@@ -77,7 +76,7 @@ static const char *const bad_numbers[] = {
     "1e5.5", "five", "1e400",     "''",    "1_000", "1e-",
 };
 
-START_TEST(what_is_no_number_is_refused)
+LOOP_TEST(what_is_no_number_is_refused, N_ELEM(bad_numbers))
 {
     char text[256], message[512];
 
@@ -87,11 +86,10 @@ START_TEST(what_is_no_number_is_refused)
     ck_assert_msg(strncmp(message, "a.rad:2: ", 9) == 0, "%s", message);
     ck_assert_ptr_nonnull(strstr(message, "sphere 's'"));
 }
-END_TEST
 
 /* --- well formed -------------------------------------------------------- */
 
-START_TEST(objects_are_read_as_written)
+TEST(objects_are_read_as_written)
 {
     static const char text[] =
         "# a comment\n"
@@ -121,9 +119,8 @@ START_TEST(objects_are_read_as_written)
     ck_assert_int_eq(o[2].line, 11);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(text_is_the_same_however_it_arrives)
+TEST(text_is_the_same_however_it_arrives)
 {
     /* a word at every place of the lexer's buffer's end */
     static char text[3 * 65536];
@@ -146,9 +143,8 @@ START_TEST(text_is_the_same_however_it_arrives)
         rad_scene_free(s);
     }
 }
-END_TEST
 
-START_TEST(alias_takes_or_keeps_the_modifier)
+TEST(alias_takes_or_keeps_the_modifier)
 {
     static const char text[] = "void glow g 0 0 4 1 1 1 0\n"   /* 0 */
                                "void brightfunc b 2 1 . 0 0\n" /* 1 */
@@ -182,9 +178,8 @@ START_TEST(alias_takes_or_keeps_the_modifier)
     ck_assert_int_eq(rad_scene_alias(s, 2, &own), 2);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(the_last_different_definition_before_counts)
+TEST(the_last_different_definition_before_counts)
 {
     static const char text[] =
         "void plastic m 0 0 5 .5 .5 .5 0 0\n"        /* 0 */
@@ -205,9 +200,8 @@ START_TEST(the_last_different_definition_before_counts)
     ck_assert_int_eq(rad_scene_find_modifier(s, "x", 99), RAD_VOID);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(many_names_are_found)
+TEST(many_names_are_found)
 {
     struct rad_scene *s = rad_scene_new();
     double reals[5] = { 0 };
@@ -231,7 +225,6 @@ START_TEST(many_names_are_found)
     }
     rad_scene_free(s);
 }
-END_TEST
 
 /* --- malformed ---------------------------------------------------------- */
 
@@ -371,7 +364,7 @@ warning_of(const char *text, char message[512])
 }
 
 /* A modifier is wrong once a surface uses it, and warned of before. */
-START_TEST(bad_scene_is_refused_with_its_line)
+LOOP_TEST(bad_scene_is_refused_with_its_line, N_ELEM(bad))
 {
     char message[512], text[1024], expected[512];
     bool modifier = use_last(bad[_i].text, text, sizeof text);
@@ -385,7 +378,6 @@ START_TEST(bad_scene_is_refused_with_its_line)
              bad[_i].message);
     ck_assert_str_eq(message, expected);
 }
-END_TEST
 
 static const struct {
     const char *text, *message;
@@ -424,14 +416,13 @@ static const struct {
       "a.rad:2: source 's': angle -1 is not above 0" },
 };
 
-START_TEST(what_radiance_leaves_out_is_warned_of)
+LOOP_TEST(what_radiance_leaves_out_is_warned_of, N_ELEM(left_out))
 {
     char message[512];
 
     warning_of(left_out[_i].text, message);
     ck_assert_str_eq(message, left_out[_i].message);
 }
-END_TEST
 
 static const char *const good[] = {
     "",
@@ -452,16 +443,15 @@ static const char *const good[] = {
     "void polygon p 0 0 9 0 0 0 0 0 0 0 0 0",
 };
 
-START_TEST(good_scene_is_accepted)
+LOOP_TEST(good_scene_is_accepted, N_ELEM(good))
 {
     char message[512];
 
     rad_scene_free(load(good[_i], message, sizeof message));
     ck_assert_str_eq(message, "");
 }
-END_TEST
 
-START_TEST(words_have_a_limit)
+TEST(words_have_a_limit)
 {
     char text[2000], message[512];
     char *p = text;
@@ -477,9 +467,8 @@ START_TEST(words_have_a_limit)
     ck_assert_str_eq(message, "a.rad:1: word of more than 511 bytes: "
                               "'xxxxxxxxxxxxxxxxxxxxxxxx...'");
 }
-END_TEST
 
-START_TEST(binary_data_is_no_scene)
+TEST(binary_data_is_no_scene)
 {
     struct rad_scene *s = rad_scene_new();
     struct rad_error err = { 0 };
@@ -493,7 +482,6 @@ START_TEST(binary_data_is_no_scene)
     ck_assert_ptr_nonnull(strstr(err.what, "not a scene description"));
     rad_scene_free(s);
 }
-END_TEST
 
 /* --- every error -------------------------------------------------------- */
 
@@ -512,7 +500,7 @@ collect(void *arg, const struct rad_error *err)
     m->n++;
 }
 
-START_TEST(all_errors_are_told)
+TEST(all_errors_are_told)
 {
     static const char text[] =
         "x sphere a 0 0 4 0 0 0 1\n"
@@ -539,9 +527,8 @@ START_TEST(all_errors_are_told)
     ck_assert_str_eq(first, m.text[0]);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(check_tells_all_errors)
+TEST(check_tells_all_errors)
 {
     static const char text[] =
         "void plastic m 0 0 4 .5 .5 .5 0\n"
@@ -558,7 +545,6 @@ START_TEST(check_tells_all_errors)
         m.text[2], "a.rad:3: specfile 'c': expected 1 string argument, got 0");
     rad_scene_free(s);
 }
-END_TEST
 
 /* Mixtures of mixtures, and aliases of aliases: n of them, and a surface. */
 static int
@@ -584,7 +570,7 @@ check_nested(const char *one, int n, struct rad_error *err)
     return rc;
 }
 
-START_TEST(nesting_has_a_limit)
+LOOP_TEST(nesting_has_a_limit, 3)
 {
     static const char *const ones[] = {
         "%s mixfunc m%d 4 m%d void 1 . 0 0\n",
@@ -600,9 +586,8 @@ START_TEST(nesting_has_a_limit)
     /* and in good time, without taking the stack for it */
     ck_assert_int_eq(check_nested(ones[_i], 50000, &err), RAD_EDATA);
 }
-END_TEST
 
-START_TEST(needs_are_what_surfaces_reach)
+TEST(needs_are_what_surfaces_reach)
 {
     static const char text[] =
         "void mist fog 0 0 0\n"
@@ -619,7 +604,6 @@ START_TEST(needs_are_what_surfaces_reach)
                                        t == RAD_ILLUM || t == RAD_SPHERE);
     rad_scene_free(s);
 }
-END_TEST
 
 /* --- commands ------------------------------------------------------------ */
 
@@ -681,7 +665,7 @@ job_end(void *arg, void *job, bool stop, struct rad_error *err)
     return 0;
 }
 
-START_TEST(commands_are_read_in_their_place)
+TEST(commands_are_read_in_their_place)
 {
     static const char text[] = MAT "!3\n" TRI;
     struct rad_parse_io io = { job_begin, job_end, NULL, NULL, NULL };
@@ -698,9 +682,8 @@ START_TEST(commands_are_read_in_their_place)
     ck_assert_int_eq(running, 0);
     rad_scene_free(s);
 }
-END_TEST
 
-START_TEST(errors_in_commands_say_where)
+TEST(errors_in_commands_say_where)
 {
     struct rad_parse_io io = { job_begin, job_end, NULL, NULL, NULL };
     struct rad_scene *s = rad_scene_new();
@@ -716,33 +699,4 @@ START_TEST(errors_in_commands_say_where)
     ck_assert_str_eq(err.what, "commands are nested too deeply");
     ck_assert_int_eq(running, 0);
     rad_scene_free(s);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("parse");
-
-    tcase_add_loop_test(tc, number_is_the_nearest_double, 0, N_ELEM(numbers));
-    tcase_add_loop_test(tc, what_is_no_number_is_refused, 0,
-                        N_ELEM(bad_numbers));
-    tcase_add_test(tc, objects_are_read_as_written);
-    tcase_add_test(tc, text_is_the_same_however_it_arrives);
-    tcase_add_test(tc, alias_takes_or_keeps_the_modifier);
-    tcase_add_test(tc, the_last_different_definition_before_counts);
-    tcase_add_test(tc, many_names_are_found);
-    tcase_add_loop_test(tc, bad_scene_is_refused_with_its_line, 0, N_ELEM(bad));
-    tcase_add_loop_test(tc, what_radiance_leaves_out_is_warned_of, 0,
-                        N_ELEM(left_out));
-    tcase_add_loop_test(tc, good_scene_is_accepted, 0, N_ELEM(good));
-    tcase_add_test(tc, words_have_a_limit);
-    tcase_add_test(tc, binary_data_is_no_scene);
-    tcase_add_test(tc, all_errors_are_told);
-    tcase_add_test(tc, check_tells_all_errors);
-    tcase_add_loop_test(tc, nesting_has_a_limit, 0, 3);
-    tcase_add_test(tc, needs_are_what_surfaces_reach);
-    tcase_add_test(tc, commands_are_read_in_their_place);
-    tcase_add_test(tc, errors_in_commands_say_where);
-    return unit_run_case(tc);
 }

@@ -236,7 +236,7 @@ render_stored(const struct rad_scene *s, const char *opts, const char *text)
     rad_octree_release(&tree);
 }
 
-START_TEST(wild_numbers_are_refused_or_rendered)
+LOOP_TEST(wild_numbers_are_refused_or_rendered, N_ELEM(victims))
 {
     const struct victim *v = &victims[_i];
     unsigned turns = (unsigned)(v->n * N_ELEM(words)) + 100;
@@ -262,16 +262,4 @@ START_TEST(wild_numbers_are_refused_or_rendered)
         rad_scene_free(s);
     }
     free(text);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("wild");
-
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, wild_numbers_are_refused_or_rendered, 0,
-                        N_ELEM(victims));
-    return unit_run_case(tc);
 }

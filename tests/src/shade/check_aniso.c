@@ -45,7 +45,7 @@ static const struct {
     { "4 Ix-Nz A2*A6 0 .", 90, 40, 45, 10, .1, .3 },
 };
 
-START_TEST(one_sun_shows_the_lobe)
+LOOP_TEST(one_sun_shows_the_lobe, N_ELEM(lit))
 {
     double sun[3], eye[3], expect, cosine;
     struct rad_rgb L;
@@ -69,10 +69,9 @@ START_TEST(one_sun_shows_the_lobe)
     ck_assert_double_eq_tol(L.g, .4 * (.3 * expect + .7 / M_PI) * cosine,
                             1e-5 * L.g);
 }
-END_TEST
 
 /* Swapping sun and eye changes nothing but the cosine. */
-START_TEST(lobe_is_reciprocal)
+TEST(lobe_is_reciprocal)
 {
     double sun[3], there, back;
     char scene[1024];
@@ -87,7 +86,6 @@ START_TEST(lobe_is_reciprocal)
     }
     ck_assert_double_eq_tol(there, back, 1e-5 * there);
 }
-END_TEST
 
 /* Ward 1992: exp(-2 (1 - cos) / alpha^2) / (pi alpha^2), with the roughness of
  * the direction that the difference lies in; a light's extent counts. */
@@ -100,7 +98,7 @@ static const struct {
     { 40, 55, 0, .2 },
 };
 
-START_TEST(one_sun_shows_the_transmitted_lobe)
+LOOP_TEST(one_sun_shows_the_transmitted_lobe, N_ELEM(behind))
 {
     double sun[3], ahead[3], expect, tspec = .9 * .8 * .7, cos_o, cos_l;
     struct rad_rgb L;
@@ -120,7 +118,6 @@ START_TEST(one_sun_shows_the_transmitted_lobe)
     ck_assert_double_eq_tol(
         L.g, .6 * (tspec * expect + .9 * .8 * .3 / M_PI * cos_l), 1e-5 * L.g);
 }
-END_TEST
 
 /* The same roughness both ways is plastic's, metal's and trans' model; so is
  * any where the direction stands on the surface, or has no value. */
@@ -141,7 +138,7 @@ static const struct {
       "plastic m 0 0 5 .5 .4 .3 .2 .5" },
 };
 
-START_TEST(even_roughness_is_that_of_the_simple_type)
+LOOP_TEST(even_roughness_is_that_of_the_simple_type, N_ELEM(same))
 {
     static const char *const options[] = { DIRECT, "-av .3 .2 .1 -st 1",
                                            PLAIN };
@@ -166,7 +163,6 @@ START_TEST(even_roughness_is_that_of_the_simple_type)
         ck_assert_double_eq_tol(L.b, expect.b, 1e-6 * L.b);
     }
 }
-END_TEST
 
 static const struct {
     const char *material;
@@ -179,7 +175,7 @@ static const struct {
 
 /* The light of many suns is the integral of the BRDF; a white sky by sampled
  * rays is the lobe's albedo, which is below 1. */
-START_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf)
+LOOP_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf, N_ELEM(gloss))
 {
     static char text[400000];
     double direct, sampled;
@@ -193,7 +189,6 @@ START_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf)
     ck_assert_double_gt(sampled, 0);
     ck_assert_double_eq_tol(direct, gloss[_i].diffuse + sampled, gloss[_i].tol);
 }
-END_TEST
 
 /* Mean of (2 x / (1 + x^2 + y^2))^2, how far a mirror of slope x, y throws what
  * falls on it from the zenith, squared; slopes are a Gaussian's, of variance
@@ -217,7 +212,7 @@ mean_throw(double ax, double ay)
 }
 
 /* Single samples spread widely along u and little across. */
-START_TEST(samples_spread_by_the_roughness_of_each_axis)
+TEST(samples_spread_by_the_roughness_of_each_axis)
 {
     enum { N = 4000 };
 
@@ -230,9 +225,8 @@ START_TEST(samples_spread_by_the_roughness_of_each_axis)
         ck_assert_double_eq_tol(sum, expect, 4 * sqrt(2. / N) * expect);
     }
 }
-END_TEST
 
-START_TEST(shadow_rays_stop_at_trans2)
+TEST(shadow_rays_stop_at_trans2)
 {
     static const double p[3] = { 0, 0, -1 }, up[3] = { 0, 0, 1 };
     double sun[3] = { 0, 0, 1 };
@@ -249,7 +243,6 @@ START_TEST(shadow_rays_stop_at_trans2)
     /* but one who looks through sees its light */
     ck_assert_double_gt(see(scene, DIRECT " -bv+", 180).g, 100);
 }
-END_TEST
 
 static const struct {
     const char *text, *message;
@@ -265,27 +258,7 @@ static const struct {
     { "void plastic2 m 6 1 0 0 . -t 1 0 6 1 1 1 0 .1 .1 " SQUARE, "-t" },
 };
 
-START_TEST(bad_arguments_are_refused)
+LOOP_TEST(bad_arguments_are_refused, N_ELEM(bad))
 {
     world_refused(bad[_i].text, "", NULL, bad[_i].message);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("aniso");
-
-    tcase_add_loop_test(tc, one_sun_shows_the_lobe, 0, N_ELEM(lit));
-    tcase_add_test(tc, lobe_is_reciprocal);
-    tcase_add_loop_test(tc, one_sun_shows_the_transmitted_lobe, 0,
-                        N_ELEM(behind));
-    tcase_add_loop_test(tc, even_roughness_is_that_of_the_simple_type, 0,
-                        N_ELEM(same));
-    tcase_add_loop_test(tc, gloss_drawn_in_samples_is_the_integral_of_the_brdf,
-                        0, N_ELEM(gloss));
-    tcase_add_test(tc, samples_spread_by_the_roughness_of_each_axis);
-    tcase_add_test(tc, shadow_rays_stop_at_trans2);
-    tcase_add_loop_test(tc, bad_arguments_are_refused, 0, N_ELEM(bad));
-    return unit_run_case(tc);
 }

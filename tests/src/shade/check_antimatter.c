@@ -23,7 +23,9 @@ depth(double x)
     return rad_ray_distance(&r);
 }
 
-START_TEST(hole_in_a_wall_lets_one_see_through)
+FIXTURE(NULL, world_tear_down)
+
+TEST(hole_in_a_wall_lets_one_see_through)
 {
     world_open(&w,
                WALL "void antimatter hole 2 void wall 0 0\n"
@@ -35,9 +37,8 @@ START_TEST(hole_in_a_wall_lets_one_see_through)
     near(depth(1.01), 5);
     ck_assert_double_eq(world_see(&w, 1.01, 0, 5, 0, 0, -1).r, 0);
 }
-END_TEST
 
-START_TEST(names_that_are_not_there_cut_nothing)
+TEST(names_that_are_not_there_cut_nothing)
 {
     world_open(&w,
                WALL "void antimatter hole 2 void nobody 0 0\n"
@@ -45,10 +46,9 @@ START_TEST(names_that_are_not_there_cut_nothing)
                "");
     near(depth(0), 5);
 }
-END_TEST
 
 /* A part of a mixture cuts what is behind it for that part's light. */
-START_TEST(antimatter_in_a_mixture_cuts_for_its_part)
+TEST(antimatter_in_a_mixture_cuts_for_its_part)
 {
     world_open(&w,
                WALL "void antimatter hole 2 void wall 0 0\n"
@@ -59,10 +59,9 @@ START_TEST(antimatter_in_a_mixture_cuts_for_its_part)
     near(world_see(&w, 0, 0, 5, 0, 0, -1).r, .25 * 7 + .75 * .5);
     ck_assert_double_eq(world_see(&w, 1.01, 0, 5, 0, 0, -1).r, .5);
 }
-END_TEST
 
 /* A lamp behind the wall shines through the hole, and only there. */
-START_TEST(light_falls_through_a_hole)
+TEST(light_falls_through_a_hole)
 {
     static const double lit[3] = { 0, 0, -2 }, dark[3] = { 3, 0, -2 };
     static const double up[3] = { 0, 0, 1 };
@@ -80,7 +79,6 @@ START_TEST(light_falls_through_a_hole)
     rad_ray_irradiance(&w.ctx, &r, dark, up, 1);
     ck_assert_double_eq(r.L.r, 0);
 }
-END_TEST
 
 /* A ball of radius 2 with a ball of radius 1 cut from its top: where the first
  * name is its material, the cut is its surface; where it is void, the ball is
@@ -90,7 +88,7 @@ static const struct {
     double depth;
 } cut[] = { { "1 ball", 4 }, { "2 void ball", 7 }, { "2 ball void", 4 } };
 
-START_TEST(cut_in_a_solid_shows_its_filling)
+LOOP_TEST(cut_in_a_solid_shows_its_filling, N_ELEM(cut))
 {
     char scene[512];
 
@@ -104,11 +102,10 @@ START_TEST(cut_in_a_solid_shows_its_filling)
     near(depth(1.9), 5 - sqrt(4 - 1.9 * 1.9)); /* beside the cut */
     near(world_see(&w, 0, 0, 5, 0, 0, -1).r, .5);
 }
-END_TEST
 
 /* What reflects in the hole sends its ray back out of it: the wall is still cut
  * away, and not where the ray has left the hole. */
-START_TEST(reflection_stays_on_its_side)
+TEST(reflection_stays_on_its_side)
 {
     world_open(&w,
                "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
@@ -123,10 +120,9 @@ START_TEST(reflection_stays_on_its_side)
     near(world_see(&w, 0, 0, 2, 0, 0, -1).r, .5);
     ck_assert_double_eq(world_see(&w, 0, 0, 2, 0, .8, -1.2).r, .5f);
 }
-END_TEST
 
 /* A hole in a hole: within the second the first is not there. */
-START_TEST(antimatter_may_be_cut_away)
+TEST(antimatter_may_be_cut_away)
 {
     world_open(&w,
                WALL "void antimatter hole 2 void wall 0 0\n"
@@ -139,11 +135,10 @@ START_TEST(antimatter_may_be_cut_away)
     near(depth(1), 10);
     near(depth(0), 5);
 }
-END_TEST
 
 /* Antimatter that is cut away by other antimatter, whose cut shows it, begins
  * where that ends: the ray goes into it there. */
-START_TEST(a_cut_may_show_antimatter)
+TEST(a_cut_may_show_antimatter)
 {
     world_open(&w,
                WALL "void antimatter hole 2 void wall 0 0\n"
@@ -155,9 +150,8 @@ START_TEST(a_cut_may_show_antimatter)
     near(depth(1.5), 10);
     near(depth(2.1), 5);
 }
-END_TEST
 
-START_TEST(irradiance_of_the_eye_sees_no_antimatter)
+TEST(irradiance_of_the_eye_sees_no_antimatter)
 {
     world_open(&w,
                "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
@@ -168,7 +162,6 @@ START_TEST(irradiance_of_the_eye_sees_no_antimatter)
     near(world_see(&w, 0, 0, 5, 0, 0, -1).r, M_PI);
     near(depth(0), 5);
 }
-END_TEST
 
 /* Two files of the same ball with the same bite, and their own names for them:
  * neither the one nor the other is whole, whichever is read first. */
@@ -177,7 +170,8 @@ static const char *const twice[] = {
     "void instance j 5 b.oct -t 9 0 0 0 0\nvoid instance i 1 a.oct 0 0\n",
 };
 
-START_TEST(antimatter_of_one_file_knows_what_another_defines_alike)
+LOOP_TEST(antimatter_of_one_file_knows_what_another_defines_alike,
+          N_ELEM(twice))
 {
     static const char bitten[] = "void plastic ball 0 0 5 .5 .5 .5 0 0\n"
                                  "void antimatter a 1 ball 0 0\n"
@@ -193,26 +187,4 @@ START_TEST(antimatter_of_one_file_knows_what_another_defines_alike)
     near(depth(9), 4);
     near(depth(9 + 1.9), 5 - sqrt(4 - 1.9 * 1.9));
     parts_release(&p);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("antimatter");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_add_test(tc, hole_in_a_wall_lets_one_see_through);
-    tcase_add_test(tc, names_that_are_not_there_cut_nothing);
-    tcase_add_test(tc, antimatter_in_a_mixture_cuts_for_its_part);
-    tcase_add_test(tc, light_falls_through_a_hole);
-    tcase_add_loop_test(tc, cut_in_a_solid_shows_its_filling, 0, N_ELEM(cut));
-    tcase_add_test(tc, reflection_stays_on_its_side);
-    tcase_add_test(tc, antimatter_may_be_cut_away);
-    tcase_add_test(tc, a_cut_may_show_antimatter);
-    tcase_add_test(tc, irradiance_of_the_eye_sees_no_antimatter);
-    tcase_add_loop_test(tc,
-                        antimatter_of_one_file_knows_what_another_defines_alike,
-                        0, N_ELEM(twice));
-    return unit_run_case(tc);
 }

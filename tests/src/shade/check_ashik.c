@@ -50,7 +50,7 @@ static const struct {
     { "4 1 1 9 .", 45, 20, 60, 140, 0, 8 },
 };
 
-START_TEST(one_sun_shows_the_lobe)
+LOOP_TEST(one_sun_shows_the_lobe, N_ELEM(lit))
 {
     struct rad_rgb L;
     double sun[3], cosine = cos(RADIANS(lit[_i].theta)), base, f;
@@ -72,10 +72,9 @@ START_TEST(one_sun_shows_the_lobe)
         L.b, (.2 * base + schlick(.3, lit[_i].eye_deg) * f) * cosine,
         1e-5 * L.b);
 }
-END_TEST
 
 /* A direction on the normal, or none: the powers' harmonic mean. */
-START_TEST(power_without_a_direction_is_the_harmonic_mean)
+TEST(power_without_a_direction_is_the_harmonic_mean)
 {
     static const char *const along[] = { "0 0 3", "1/0 1 0", "0 0 0" };
     double sun[3], expect = lobe(20, 35, 60, 0, 15, 15);
@@ -91,11 +90,10 @@ START_TEST(power_without_a_direction_is_the_harmonic_mean)
                                 expect * cos(RADIANS(35)), 1e-5);
     }
 }
-END_TEST
 
 /* In a white sky each sample brings what the gloss reflects toward the eye;
  * with -st the base's ambient light brings it. */
-START_TEST(gloss_keeps_its_energy)
+TEST(gloss_keeps_its_energy)
 {
     static const double deg[] = { 0, 30, 60, 80 };
     const char *scene =
@@ -114,7 +112,6 @@ START_TEST(gloss_keeps_its_energy)
                             .5 + schlick(.3, 60), 1e-6);
     ck_assert_double_eq_tol(see(scene, "-av 1 1 1 -st 0", 60).g, .5, 1e-6);
 }
-END_TEST
 
 /* Mean square of the way along x that half vectors throw the zenith's light:
  * slopes tan(theta) with the density (cos theta)^(p + 1) d omega, p by phi. */
@@ -139,7 +136,7 @@ mean_throw(double nu, double nv, int axis)
     return sum / mass;
 }
 
-START_TEST(samples_follow_the_density_of_half_vectors)
+TEST(samples_follow_the_density_of_half_vectors)
 {
     enum { N = 4000 };
 
@@ -153,9 +150,8 @@ START_TEST(samples_follow_the_density_of_half_vectors)
         ck_assert_double_eq_tol(sum, expect, 4 * sqrt(2. / N) * expect);
     }
 }
-END_TEST
 
-START_TEST(bad_powers_are_refused)
+TEST(bad_powers_are_refused)
 {
     struct world w = { 0 };
 
@@ -165,18 +161,4 @@ START_TEST(bad_powers_are_refused)
         0);
     ck_assert_ptr_nonnull(strstr(w.err.what, "power"));
     world_close(&w);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("ashik");
-
-    tcase_add_loop_test(tc, one_sun_shows_the_lobe, 0, N_ELEM(lit));
-    tcase_add_test(tc, power_without_a_direction_is_the_harmonic_mean);
-    tcase_add_test(tc, gloss_keeps_its_energy);
-    tcase_add_test(tc, samples_follow_the_density_of_half_vectors);
-    tcase_add_test(tc, bad_powers_are_refused);
-    return unit_run_case(tc);
 }

@@ -69,7 +69,7 @@ static const struct {
 };
 
 /* The last three arguments are the vector that Ldx() and its like call up. */
-START_TEST(function_scatters_the_suns_light)
+LOOP_TEST(function_scatters_the_suns_light, N_ELEM(lit))
 {
     double sun[3], cosine = cos(RADIANS(30)), f = fmax(lit[_i].value, 0);
     struct rad_rgb L;
@@ -87,7 +87,6 @@ START_TEST(function_scatters_the_suns_light)
     L = see_by(scene, DIRECT, 60);
     ck_assert_double_eq_tol(L.g, .4 * (.3 * f + .7 / M_PI) * cosine, 1e-5);
 }
-END_TEST
 
 /* Data are looked up where functions of the sun's direction point; the first
  * function gets what is there, and the direction behind it. */
@@ -103,7 +102,7 @@ static const struct {
     { "5 first plane.dat f.cal none lz", 0 },
 };
 
-START_TEST(data_are_found_by_functions)
+LOOP_TEST(data_are_found_by_functions, N_ELEM(found))
 {
     double sun[3], cosine = cos(RADIANS(30)), f = found[_i].value;
     struct rad_rgb L;
@@ -128,11 +127,10 @@ START_TEST(data_are_found_by_functions)
             1e-5 * fmax(1, L.g));
     }
 }
-END_TEST
 
 /* A texture tilts what the function sees as the normal, a pattern colours it:
  * the slope of .1 along x shows in NxP, and in the sun's cosine. */
-START_TEST(function_sees_textures_and_patterns)
+TEST(function_sees_textures_and_patterns)
 {
     double n = 1 / sqrt(1.01), sun[3] = { 0, 0, 1 };
     char scene[1024] = "void texfunc t 4 A1 0 0 . 0 1 .1\n"
@@ -147,10 +145,9 @@ START_TEST(function_sees_textures_and_patterns)
     ck_assert_double_eq_tol(see_by(scene, DIRECT, 20).g,
                             80 * .5 + 4 * .25 + .2 * .125, 1e-4);
 }
-END_TEST
 
 /* trans is .9 of what is not reflected, .4 of that specular. */
-START_TEST(transfunc_passes_light_of_its_colour)
+TEST(transfunc_passes_light_of_its_colour)
 {
     double sun[3], cosine = cos(RADIANS(30));
     char scene[1024] =
@@ -169,10 +166,9 @@ START_TEST(transfunc_passes_light_of_its_colour)
     ck_assert_double_eq_tol(see_by(scene, DIRECT, 60).g,
                             (.3 * .5 + .4 * .7 * .1 / M_PI) * cosine, 1e-5);
 }
-END_TEST
 
 /* Other light knows no function: all of it is scattered evenly. */
-START_TEST(ambient_light_is_scattered_evenly)
+TEST(ambient_light_is_scattered_evenly)
 {
     struct rad_rgb L =
         see_by("void transfunc m 2 half f.cal 0 6 .8 .4 .2 .3 .9 .4\n" SQUARE,
@@ -185,10 +181,9 @@ START_TEST(ambient_light_is_scattered_evenly)
                "-av 1 2 3", 60);
     ck_assert_double_eq_tol(L.b, .6, 1e-6);
 }
-END_TEST
 
 /* A function of h or of the angle between the ways is the same both ways. */
-START_TEST(reciprocal_function_gives_a_reciprocal_surface)
+TEST(reciprocal_function_gives_a_reciprocal_surface)
 {
     double L[2];
 
@@ -204,11 +199,10 @@ START_TEST(reciprocal_function_gives_a_reciprocal_surface)
     ck_assert_double_gt(L[0], 0);
     ck_assert_double_eq_tol(L[0], L[1], 1e-5);
 }
-END_TEST
 
 /* --- BRTDfunc ------------------------------------------------------------- */
 
-START_TEST(brtdfunc_mirrors_and_passes_by_expressions)
+TEST(brtdfunc_mirrors_and_passes_by_expressions)
 {
     const char *m = "void BRTDfunc m 10 .5 Rdot 0 .1 .2 A10*.3 0 0 0 . "
                     "0 10 0 0 0 0 0 0 0 0 0 2\n" SQUARE;
@@ -227,10 +221,9 @@ START_TEST(brtdfunc_mirrors_and_passes_by_expressions)
     ck_assert_double_eq_tol(L.r, .1, 1e-6);
     ck_assert_double_eq_tol(L.b, .6, 1e-6);
 }
-END_TEST
 
 /* The two sides differ in what they reflect, not in what passes. */
-START_TEST(brtdfunc_has_two_sides)
+TEST(brtdfunc_has_two_sides)
 {
     static const char scene[] = "void BRTDfunc m 10 0 0 0 0 0 0 0 0 0 . "
                                 "0 9 .1 .2 .3 .4 .3 .2 .05 .1 .15\n" SQUARE;
@@ -242,11 +235,10 @@ START_TEST(brtdfunc_has_two_sides)
     ck_assert_double_eq_tol(L.r, .45, 1e-6);
     ck_assert_double_eq_tol(L.b, .35, 1e-6);
 }
-END_TEST
 
 /* Before the surface and behind it each channel has its function, or none; seen
  * from below the normal is turned to the eye. */
-START_TEST(brtdfunc_scatters_by_channel)
+TEST(brtdfunc_scatters_by_channel)
 {
     double cosine = cos(RADIANS(30)), sun[3];
 
@@ -270,10 +262,9 @@ START_TEST(brtdfunc_scatters_by_channel)
         ck_assert_double_eq_tol(L.b, (base / M_PI + f) * cosine, 1e-5);
     }
 }
-END_TEST
 
 /* Light through it is dimmed by channel; what scatters does not let it pass. */
-START_TEST(brtdfunc_casts_a_coloured_shadow)
+TEST(brtdfunc_casts_a_coloured_shadow)
 {
     static const double p[3] = { 0, 0, -1 }, up[3] = { 0, 0, 1 };
     double sun[3] = { 0, 0, 1 };
@@ -290,7 +281,6 @@ START_TEST(brtdfunc_casts_a_coloured_shadow)
     ck_assert_double_eq(r.L.b, 0);
     world_close(&w);
 }
-END_TEST
 
 /* --- errors --------------------------------------------------------------- */
 
@@ -328,36 +318,10 @@ static const struct {
       "no such channel" },
 };
 
-START_TEST(bad_arguments_are_refused)
+LOOP_TEST(bad_arguments_are_refused, N_ELEM(bad))
 {
     char scene[512];
 
     snprintf(scene, sizeof scene, "%s" SQUARE, bad[_i].text);
     world_refused(scene, "", &files, bad[_i].message);
-}
-END_TEST
-
-int
-main(void)
-{
-    Suite *s = suite_create("brdf");
-    TCase *tc = tcase_create("functions");
-
-    tcase_add_loop_test(tc, function_scatters_the_suns_light, 0, N_ELEM(lit));
-    tcase_add_loop_test(tc, data_are_found_by_functions, 0, N_ELEM(found));
-    tcase_add_test(tc, function_sees_textures_and_patterns);
-    tcase_add_test(tc, transfunc_passes_light_of_its_colour);
-    tcase_add_test(tc, ambient_light_is_scattered_evenly);
-    tcase_add_test(tc, reciprocal_function_gives_a_reciprocal_surface);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("BRTDfunc");
-    tcase_add_test(tc, brtdfunc_mirrors_and_passes_by_expressions);
-    tcase_add_test(tc, brtdfunc_has_two_sides);
-    tcase_add_test(tc, brtdfunc_scatters_by_channel);
-    tcase_add_test(tc, brtdfunc_casts_a_coloured_shadow);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("errors");
-    tcase_add_loop_test(tc, bad_arguments_are_refused, 0, N_ELEM(bad));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
 }

@@ -139,7 +139,7 @@ static const struct {
     { matrix, { 130, 90 }, { 130, 0 }, 0 },  /* no data there */
 };
 
-START_TEST(matrix_gives_the_value_of_its_patches)
+LOOP_TEST(matrix_gives_the_value_of_its_patches, N_ELEM(matrices))
 {
     struct rad_arena arena;
     struct rad_bsdf *b = must_parse(&arena, matrices[_i].xml);
@@ -153,9 +153,8 @@ START_TEST(matrix_gives_the_value_of_its_patches)
     ck_assert_double_eq_tol(xyz[2], xyz[1], 1e-9);
     rad_arena_release(&arena);
 }
-END_TEST
 
-START_TEST(colour_is_kept)
+TEST(colour_is_kept)
 {
     struct rad_arena arena;
     struct rad_bsdf *b = must_parse(&arena, coloured);
@@ -173,9 +172,8 @@ START_TEST(colour_is_kept)
     ck_assert_double_eq_tol(xyz[2], M_PI * .05, 1e-3);
     rad_arena_release(&arena);
 }
-END_TEST
 
-START_TEST(least_value_is_the_lambertian_rest)
+TEST(least_value_is_the_lambertian_rest)
 {
     struct rad_arena arena;
     struct rad_bsdf *b = must_parse(&arena, matrix);
@@ -193,7 +191,6 @@ START_TEST(least_value_is_the_lambertian_rest)
     ck_assert(!rad_bsdf_scatters(b, false, false));
     rad_arena_release(&arena);
 }
-END_TEST
 
 /* Shirley and Chiu's square has azimuth 0 to the right, 90 up; upper halves are
  * the second of each pair, the last coordinate's first. */
@@ -220,7 +217,7 @@ static const struct {
     { tree4, { 50, 45 }, { 130, 225 }, .65 },
 };
 
-START_TEST(tree_gives_the_value_of_its_leaves)
+LOOP_TEST(tree_gives_the_value_of_its_leaves, N_ELEM(trees))
 {
     struct rad_arena arena;
     struct rad_bsdf *b = must_parse(&arena, trees[_i].xml);
@@ -232,7 +229,6 @@ START_TEST(tree_gives_the_value_of_its_leaves)
     ck_assert_double_eq_tol(xyz[1], trees[_i].value, 4e-4);
     rad_arena_release(&arena);
 }
-END_TEST
 
 /* --- drawing ---------------------------------------------------------------
  */
@@ -287,7 +283,7 @@ static const struct {
     { tree4, { 50, 45 }, true },   { tree4, { 35, 200 }, true },
 };
 
-START_TEST(directions_are_drawn_as_light_goes)
+LOOP_TEST(directions_are_drawn_as_light_goes, N_ELEM(drawn))
 {
     enum { N = 20000 };
     struct rad_bsdf_eye eye;
@@ -314,9 +310,8 @@ START_TEST(directions_are_drawn_as_light_goes)
         ck_assert_double_eq_tol(got[i], truth[i], .004 * all + 4e-4);
     rad_arena_release(&arena);
 }
-END_TEST
 
-START_TEST(neighbouring_numbers_give_neighbouring_directions)
+TEST(neighbouring_numbers_give_neighbouring_directions)
 {
     struct rad_arena arena;
     struct rad_bsdf *b = must_parse(&arena, tree4);
@@ -334,7 +329,6 @@ START_TEST(neighbouring_numbers_give_neighbouring_directions)
     ck_assert_double_lt(far / 4000, .06); /* at random it would be .9 */
     rad_arena_release(&arena);
 }
-END_TEST
 
 static const struct {
     const char *xml;
@@ -348,7 +342,7 @@ static const struct {
     { tree4, { 170, 45 }, { 170, 135 }, M_PI / 4 },
 };
 
-START_TEST(cells_have_their_size)
+LOOP_TEST(cells_have_their_size, N_ELEM(cells))
 {
     struct rad_arena arena;
     struct rad_bsdf *b = must_parse(&arena, cells[_i].xml);
@@ -359,7 +353,6 @@ START_TEST(cells_have_their_size)
     ck_assert_double_eq_tol(value(b, in, out, xyz), cells[_i].cell, 1e-9);
     rad_arena_release(&arena);
 }
-END_TEST
 
 static const struct {
     const char *xml, *problem;
@@ -397,7 +390,7 @@ static const struct {
       "divided too finely" },
 };
 
-START_TEST(bad_file_is_refused)
+LOOP_TEST(bad_file_is_refused, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
     struct rad_arena arena;
@@ -407,7 +400,6 @@ START_TEST(bad_file_is_refused)
     ck_assert_msg(strstr(err.what, bad[_i].problem) != NULL, "%s", err.what);
     rad_arena_release(&arena);
 }
-END_TEST
 
 static char *
 put_leaves(char *to, int levels)
@@ -423,7 +415,7 @@ put_leaves(char *to, int levels)
 
 /* A million leaves take some 50 MB.  It takes a process of its own, which has
  * no memory from other tests. */
-START_TEST(large_tree_wants_memory)
+TEST(large_tree_wants_memory)
 {
     static const char head[] = HEAD("TensorTree4") DEFS
         "<WavelengthData><Wavelength>Visible</Wavelength>"
@@ -454,7 +446,6 @@ START_TEST(large_tree_wants_memory)
     }
     free(xml);
 }
-END_TEST
 
 /* --- materials --------------------------------------------------------------
  */
@@ -495,6 +486,8 @@ make_peak(void)
     sprintf(to, "%s",
             "</ScatteringData></WavelengthDataBlock></WavelengthData>" FOOT);
 }
+
+FIXTURE(make_peak, NULL)
 
 /* All .2 / pi, so Lambertian: 20 % each way, with colour by the material. */
 #define EVEN                                                                   \
@@ -540,7 +533,7 @@ static const struct {
       "void trans m 0 0 7 .1 .1 .1 0 0 1 0\nm" PANE BELOW, 1, 0, 2 },
 };
 
-START_TEST(even_scattering_is_lambertian)
+LOOP_TEST(even_scattering_is_lambertian, N_ELEM(lambertian))
 {
     /* what the others pass or not is another matter */
     const char *options = _i == 0 ? PLAIN " -av .1 .2 .3" : PLAIN;
@@ -554,10 +547,9 @@ START_TEST(even_scattering_is_lambertian)
     ck_assert_float_eq_tol(a.g, b.g, 2e-5f * b.g);
     ck_assert_float_eq_tol(a.b, b.b, 2e-5f * b.b);
 }
-END_TEST
 
 /* A lamp's light by the matrix: value times cosine, solid angle, radiance. */
-START_TEST(direct_light_follows_the_data)
+TEST(direct_light_follows_the_data)
 {
     struct rad_rgb L =
         see("void BSDF m 6 0 matrix.xml 0 1 0 . 0 0\nm" PANE ABOVE, PLAIN, -1,
@@ -569,10 +561,9 @@ START_TEST(direct_light_follows_the_data)
 
     ck_assert_double_eq_tol(L.g, value * cos_l * omega * 9, 2e-3 * L.g);
 }
-END_TEST
 
 /* A part of the vector that has no value is 0. */
-START_TEST(way_up_may_lack_a_value)
+TEST(way_up_may_lack_a_value)
 {
 #define UP(vector) "void BSDF m 6 0 matrix.xml " vector " . 0 0\nm" PANE ABOVE
     struct rad_rgb a = see(UP("0 1 0"), PLAIN, -1, 0, 1);
@@ -583,13 +574,12 @@ START_TEST(way_up_may_lack_a_value)
     ck_assert_float_eq(a.g, b.g);
     ck_assert_float_eq(none.g, 0);
 }
-END_TEST
 
 #define SKY                                                                    \
     "void brightfunc up 2 2+Dz . 0 0\nup glow sky 0 0 4 1 1 1 0\n"             \
     "sky source s 0 0 4 0 0 1 360\n"
 
-START_TEST(peak_is_seen_through)
+TEST(peak_is_seen_through)
 {
     double c = 2 / sqrt(5);
     struct rad_rgb L =
@@ -600,9 +590,8 @@ START_TEST(peak_is_seen_through)
     L = see("void BSDF m 6 0 peak.xml 0 1 0 . 0 0\nm" PANE SKY, PLAIN, 1, 0, 2);
     ck_assert_double_eq_tol(L.g, 0, 1e-9);
 }
-END_TEST
 
-START_TEST(peak_casts_a_shadow)
+TEST(peak_casts_a_shadow)
 {
 #define FLOOR                                                                  \
     "void plastic w 0 0 5 .5 .5 .5 0 0\n"                                      \
@@ -620,10 +609,9 @@ START_TEST(peak_casts_a_shadow)
                  PLAIN, 1, 0, .5);
     ck_assert_double_eq_tol(shaded.g, 0, 1e-9);
 }
-END_TEST
 
 /* Eye and lamp see the geometry that a BSDF of a thickness stands in for. */
-START_TEST(thickness_hides_the_surface)
+TEST(thickness_hides_the_surface)
 {
     struct rad_rgb bare = see(FLOOR, PLAIN, 1, 0, 4);
     struct rad_rgb behind = see(FLOOR "void BSDF m 6 1 matrix.xml 0 1 0 . 0 0\n"
@@ -633,11 +621,10 @@ START_TEST(thickness_hides_the_surface)
     ck_assert_float_gt(bare.g, 0);
     ck_assert_float_eq(behind.g, bare.g);
 }
-END_TEST
 
 /* A glossy ray meets the surface, and its light starts a thickness deeper,
  * beyond the ring that is dark otherwise. */
-START_TEST(scattered_light_passes_what_is_behind)
+TEST(scattered_light_passes_what_is_behind)
 {
 #define GLOSSY                                                                 \
     "void trans g 0 0 7 1 1 1 0 .1 1 1\ng ring eye 0 0 8 0 0 3 0 0 1 0 9\n"    \
@@ -653,10 +640,9 @@ START_TEST(scattered_light_passes_what_is_behind)
     ck_assert_double_eq_tol(none, 0, 1e-9);
     ck_assert_double_eq_tol(some, .4, 1e-3); /* both parts are Lambertian */
 }
-END_TEST
 
 /* Sampled light of an even sky is what is scattered. */
-START_TEST(sampled_light_is_all_of_it)
+TEST(sampled_light_is_all_of_it)
 {
     struct rad_rgb L =
         see("void BSDF m 6 0 matrix.xml 0 1 0 . 0 0\nm" PANE
@@ -667,7 +653,6 @@ START_TEST(sampled_light_is_all_of_it)
 
     ck_assert_double_eq_tol(L.g, 2 * total, .03 * total);
 }
-END_TEST
 
 static const struct {
     const char *material, *problem;
@@ -678,16 +663,15 @@ static const struct {
     { "aBSDF m 5 even.xml 0 nope 0 . 0 0", "undefined variable 'nope'" },
 };
 
-START_TEST(bad_material_is_refused_by_name)
+LOOP_TEST(bad_material_is_refused_by_name, N_ELEM(refused))
 {
     char scene[512];
 
     snprintf(scene, sizeof scene, "void %s\nm" PANE, refused[_i].material);
     world_refused(scene, PLAIN, &files, refused[_i].problem);
 }
-END_TEST
 
-START_TEST(file_belongs_to_the_bundle)
+TEST(file_belongs_to_the_bundle)
 {
     static const char *const strings[] = {
         "0", "a.xml", "x", "y", "z", "b.cal"
@@ -704,43 +688,4 @@ START_TEST(file_belongs_to_the_bundle)
                              .nstrings = 5 };
     ck_assert_str_eq(rad_object_file(&o, 0), "a.xml");
     ck_assert_str_eq(rad_object_file(&o, 1), "b.cal");
-}
-END_TEST
-
-int
-main(void)
-{
-    Suite *s = suite_create("bsdf");
-    TCase *tc = tcase_create("data"), *material = tcase_create("material");
-
-    tcase_set_timeout(tc, 600);
-    tcase_set_timeout(material, 600);
-    tcase_add_loop_test(tc, matrix_gives_the_value_of_its_patches, 0,
-                        N_ELEM(matrices));
-    tcase_add_test(tc, colour_is_kept);
-    tcase_add_test(tc, least_value_is_the_lambertian_rest);
-    tcase_add_loop_test(tc, tree_gives_the_value_of_its_leaves, 0,
-                        N_ELEM(trees));
-    tcase_add_loop_test(tc, directions_are_drawn_as_light_goes, 0,
-                        N_ELEM(drawn));
-    tcase_add_test(tc, neighbouring_numbers_give_neighbouring_directions);
-    tcase_add_loop_test(tc, cells_have_their_size, 0, N_ELEM(cells));
-    tcase_add_loop_test(tc, bad_file_is_refused, 0, N_ELEM(bad));
-    tcase_add_test(tc, large_tree_wants_memory);
-    suite_add_tcase(s, tc);
-    tcase_add_checked_fixture(material, make_peak, NULL);
-    tcase_add_loop_test(material, even_scattering_is_lambertian, 0,
-                        N_ELEM(lambertian));
-    tcase_add_test(material, direct_light_follows_the_data);
-    tcase_add_test(material, way_up_may_lack_a_value);
-    tcase_add_test(material, peak_is_seen_through);
-    tcase_add_test(material, peak_casts_a_shadow);
-    tcase_add_test(material, thickness_hides_the_surface);
-    tcase_add_test(material, scattered_light_passes_what_is_behind);
-    tcase_add_test(material, sampled_light_is_all_of_it);
-    tcase_add_loop_test(material, bad_material_is_refused_by_name, 0,
-                        N_ELEM(refused));
-    tcase_add_test(material, file_belongs_to_the_bundle);
-    suite_add_tcase(s, material);
-    return unit_run(s);
 }

@@ -54,7 +54,9 @@ static const struct {
     { "2 arg(AC+1) .", 1 },
 };
 
-START_TEST(brightness_is_the_functions_value)
+FIXTURE(NULL, world_tear_down)
+
+LOOP_TEST(brightness_is_the_functions_value, N_ELEM(bright))
 {
     char scene[512];
 
@@ -62,9 +64,8 @@ START_TEST(brightness_is_the_functions_value)
              bright[_i].pattern);
     ck_assert_double_eq_tol(see(scene, NULL).g, bright[_i].value, 1e-5);
 }
-END_TEST
 
-START_TEST(colour_has_a_function_for_each_channel)
+TEST(colour_has_a_function_for_each_channel)
 {
     struct rad_rgb L =
         see("void colorfunc p 4 Px Py Px*Py . 0 0\np" SHINE, NULL);
@@ -73,7 +74,6 @@ START_TEST(colour_has_a_function_for_each_channel)
     ck_assert_double_eq_tol(L.g, 3, 1e-6);
     ck_assert_double_eq_tol(L.b, 6, 1e-6);
 }
-END_TEST
 
 /* Whether a colour has a value is asked when all of it was evaluated, from blue
  * to red: a library function drops the fault of a channel before it. */
@@ -92,7 +92,7 @@ static const struct {
     { "floor(Px) 4 1/(Px-2)", { 2, 4, 0 } },
 };
 
-START_TEST(colour_has_a_value_if_its_last_channel_has)
+LOOP_TEST(colour_has_a_value_if_its_last_channel_has, N_ELEM(faulty))
 {
     struct rad_rgb want = faulty[_i].value, L;
     char scene[512];
@@ -104,9 +104,8 @@ START_TEST(colour_has_a_value_if_its_last_channel_has)
                       1e-5,
                   "%s: %g %g %g", faulty[_i].colors, L.r, L.g, L.b);
 }
-END_TEST
 
-START_TEST(function_file_is_found_and_has_its_arguments)
+TEST(function_file_is_found_and_has_its_arguments)
 {
     struct rad_rgb L =
         see("void brightfunc p 2 twice lib/own.cal 0 1 5\n"
@@ -115,9 +114,8 @@ START_TEST(function_file_is_found_and_has_its_arguments)
 
     ck_assert_double_eq_tol(L.g, 10 * 2, 1e-5);
 }
-END_TEST
 
-START_TEST(texture_tilts_the_normal)
+TEST(texture_tilts_the_normal)
 {
     /* a mirror tilted by .1 looks .2 away from the zenith */
     struct rad_rgb L =
@@ -129,11 +127,10 @@ START_TEST(texture_tilts_the_normal)
 
     ck_assert_double_eq_tol(L.g, cos(.2), 1e-6);
 }
-END_TEST
 
 /* A distant source is at no place: its functions see where it is seen from, as
  * in Radiance, by the eye or by what it lights. */
-START_TEST(distant_source_has_the_place_it_is_seen_from)
+TEST(distant_source_has_the_place_it_is_seen_from)
 {
     static const double at[3] = { 4, 0, 0 }, up[3] = { 0, 0, 1 };
     struct rad_ray r;
@@ -148,10 +145,9 @@ START_TEST(distant_source_has_the_place_it_is_seen_from)
     ck_assert_double_eq_tol(r.L.r / (50 * 2 * M_PI * (1 - cos(5 * M_PI / 180))),
                             4, .02);
 }
-END_TEST
 
 /* Radiance's bound: what is flat decides how far sources spread gloss. */
-START_TEST(texture_of_a_millionth_is_none)
+TEST(texture_of_a_millionth_is_none)
 {
     struct rad_ray r = { .pert = { 6e-7, 6e-7, 0 } };
 
@@ -159,11 +155,10 @@ START_TEST(texture_of_a_millionth_is_none)
     r.pert[2] = 7e-7;
     ck_assert(rad_ray_perturbed(&r));
 }
-END_TEST
 
 /* Functions that jump at whole numbers, such as fnoise3(), must not see a level
  * floor's points scattered about its height. */
-START_TEST(points_of_a_level_floor_have_its_height)
+TEST(points_of_a_level_floor_have_its_height)
 {
     static const char scene[] = "void brightfunc p 2 if(Pz,1,if(-Pz,1,2)) . 0 0"
                                 "\np" SHINE;
@@ -176,7 +171,6 @@ START_TEST(points_of_a_level_floor_have_its_height)
         ck_assert_double_eq(world_see(&w, x, y, z, y - .7, .6 - x, -z).g, 2);
     }
 }
-END_TEST
 
 /* What passes is turned by a texture, but not where it rounds off facets. */
 static const char *const clear[] = {
@@ -188,7 +182,7 @@ static const char *const clear[] = {
      "0 9 0 0 0 0 0 0 0 0 0"),
 };
 
-START_TEST(texture_called_phong_turns_nothing_that_passes)
+LOOP_TEST(texture_called_phong_turns_nothing_that_passes, N_ELEM(clear))
 {
     static const char *const name[] = { "Phong", "phong" };
 
@@ -213,7 +207,6 @@ START_TEST(texture_called_phong_turns_nothing_that_passes)
             ck_assert_double_gt(fabs(L[0].g - L[1].g), .05);
     }
 }
-END_TEST
 
 static const struct {
     const char *mixture;
@@ -226,7 +219,7 @@ static const struct {
     { "4 void one .25 .", .75, 3 * .25 },
 };
 
-START_TEST(mixture_weighs_its_materials)
+LOOP_TEST(mixture_weighs_its_materials, N_ELEM(mixed))
 {
     struct rad_rgb L;
     char scene[512];
@@ -241,11 +234,10 @@ START_TEST(mixture_weighs_its_materials)
     ck_assert_double_eq_tol(L.r, mixed[_i].r, 1e-6);
     ck_assert_double_eq_tol(L.g, mixed[_i].g, 1e-6);
 }
-END_TEST
 
 /* -i asks what is mixed: through the glass one sees the lamp below; the other
  * part is lit by nothing. */
-START_TEST(irradiance_goes_through_a_mixture)
+TEST(irradiance_goes_through_a_mixture)
 {
     struct rad_rgb L;
 
@@ -258,7 +250,6 @@ START_TEST(irradiance_goes_through_a_mixture)
     L = world_see(&w, 2, 3, 4, 0, 0, -1);
     ck_assert_double_eq_tol(L.g, .75 * 8, 1e-5);
 }
-END_TEST
 
 static const struct {
     const char *mixture;
@@ -271,7 +262,7 @@ static const struct {
 };
 
 /* Where all is black the second part says how far it is. */
-START_TEST(distance_of_black_is_that_of_the_second_part)
+LOOP_TEST(distance_of_black_is_that_of_the_second_part, N_ELEM(far))
 {
     char scene[512];
     struct rad_ray r;
@@ -287,9 +278,8 @@ START_TEST(distance_of_black_is_that_of_the_second_part)
     ck_assert(rad_rgb_black(r.L));
     ck_assert_double_eq_tol(r.dist, far[_i].dist, 1e-6);
 }
-END_TEST
 
-START_TEST(mixture_of_patterns_is_a_pattern)
+TEST(mixture_of_patterns_is_a_pattern)
 {
     struct rad_rgb L = see("void brightfunc two 2 2 . 0 0\n"
                            "void mixfunc p 4 two void .25 . 0 0\np" SHINE,
@@ -297,10 +287,9 @@ START_TEST(mixture_of_patterns_is_a_pattern)
 
     ck_assert_double_eq_tol(L.g, .25 * 2 + .75, 1e-6);
 }
-END_TEST
 
 /* Only the first objects are kept, each with all that it failed. */
-START_TEST(failures_are_counted_by_object)
+TEST(failures_are_counted_by_object)
 {
     struct rad_counts c = { 0 };
 
@@ -321,7 +310,6 @@ START_TEST(failures_are_counted_by_object)
     ck_assert_uint_eq(w.ctx.counts.faults[0].count, 2);
     ck_assert_uint_eq(w.ctx.counts.faults[1].count, 0);
 }
-END_TEST
 
 static const struct {
     const char *pattern, *file, *problem;
@@ -363,7 +351,7 @@ static const struct {
     { "clip_g(nope(1),1,1/0)", "" },
 };
 
-START_TEST(an_argument_that_may_be_left_out_is_not_missed)
+LOOP_TEST(an_argument_that_may_be_left_out_is_not_missed, N_ELEM(optional))
 {
     struct world_file own[] = { { OWN, optional[_i].file }, { 0 } };
     struct rad_files files = { .read = world_file_read, .arg = own };
@@ -373,9 +361,8 @@ START_TEST(an_argument_that_may_be_left_out_is_not_missed)
              optional[_i].expression, optional[_i].file[0] ? OWN : ".");
     ck_assert_msg(world_try(&w, scene, PLAIN, &files) == 0, "%s", w.err.what);
 }
-END_TEST
 
-START_TEST(bad_function_is_refused_by_name)
+LOOP_TEST(bad_function_is_refused_by_name, N_ELEM(bad))
 {
     struct world_file own[] = { { OWN, bad[_i].file }, { 0 } };
     struct rad_files files = { .read = world_file_read, .arg = own };
@@ -384,17 +371,15 @@ START_TEST(bad_function_is_refused_by_name)
     snprintf(scene, sizeof scene, "void %s\np" SHINE, bad[_i].pattern);
     world_refused(scene, PLAIN, &files, bad[_i].problem);
 }
-END_TEST
 
-START_TEST(scene_without_functions_has_no_evaluator)
+TEST(scene_without_functions_has_no_evaluator)
 {
     world_open(&w, "void" SHINE, PLAIN);
     ck_assert_ptr_null(w.job->calc);
     ck_assert_ptr_null(w.ctx.calc);
 }
-END_TEST
 
-START_TEST(function_file_belongs_to_the_bundle)
+TEST(function_file_belongs_to_the_bundle)
 {
     static const char *const in_file[] = { "a", "b", "c", "x.cal", "-s", "2" };
     static const char *const alone[] = { "a", ".", "-s", "2" };
@@ -408,38 +393,4 @@ START_TEST(function_file_belongs_to_the_bundle)
                              .strings = alone,
                              .nstrings = N_ELEM(alone) };
     ck_assert_ptr_null(rad_object_file(&o, 0));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("func");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_set_timeout(tc, 600);
-    tcase_add_loop_test(tc, brightness_is_the_functions_value, 0,
-                        N_ELEM(bright));
-    tcase_add_test(tc, colour_has_a_function_for_each_channel);
-    tcase_add_loop_test(tc, colour_has_a_value_if_its_last_channel_has, 0,
-                        N_ELEM(faulty));
-    tcase_add_test(tc, function_file_is_found_and_has_its_arguments);
-    tcase_add_test(tc, points_of_a_level_floor_have_its_height);
-    tcase_add_test(tc, texture_tilts_the_normal);
-    tcase_add_loop_test(tc, texture_called_phong_turns_nothing_that_passes, 0,
-                        N_ELEM(clear));
-    tcase_add_test(tc, distant_source_has_the_place_it_is_seen_from);
-    tcase_add_test(tc, texture_of_a_millionth_is_none);
-    tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
-    tcase_add_test(tc, irradiance_goes_through_a_mixture);
-    tcase_add_loop_test(tc, distance_of_black_is_that_of_the_second_part, 0,
-                        N_ELEM(far));
-    tcase_add_test(tc, mixture_of_patterns_is_a_pattern);
-    tcase_add_test(tc, failures_are_counted_by_object);
-    tcase_add_loop_test(tc, bad_function_is_refused_by_name, 0, N_ELEM(bad));
-    tcase_add_loop_test(tc, an_argument_that_may_be_left_out_is_not_missed, 0,
-                        N_ELEM(optional));
-    tcase_add_test(tc, scene_without_functions_has_no_evaluator);
-    tcase_add_test(tc, function_file_belongs_to_the_bundle);
-    return unit_run_case(tc);
 }

@@ -44,7 +44,9 @@ mean_of(const double o[3], const double d[3], int n)
     return sum / n;
 }
 
-START_TEST(layer_dims_by_its_optical_depth)
+FIXTURE(NULL, world_tear_down)
+
+TEST(layer_dims_by_its_optical_depth)
 {
     struct rad_rgb L;
 
@@ -56,9 +58,8 @@ START_TEST(layer_dims_by_its_optical_depth)
     near(L.b, 7 * exp(-.3 * 2));
     near(down(0, 1), 7 * exp(-.01)); /* below it */
 }
-END_TEST
 
-START_TEST(pattern_scales_the_extinction)
+TEST(pattern_scales_the_extinction)
 {
     world_open(&w,
                WALL "void brightfunc half 2 .5 . 0 0\n"
@@ -66,11 +67,10 @@ START_TEST(pattern_scales_the_extinction)
                "");
     near(down(0, 5), 7 * exp(-.1 * 2));
 }
-END_TEST
 
 /* What is scattered of the ambient value replaces what is lost: with an albedo
  * of 1 in an even surrounding nothing shows. */
-START_TEST(ambient_value_is_scattered_in)
+TEST(ambient_value_is_scattered_in)
 {
     world_open(&w, WALL, "-me .2 .2 .2 -ma .5 1 0 -av 7 7 7");
     struct rad_rgb L = world_see(&w, 0, 0, 5, 0, 0, -1);
@@ -80,7 +80,6 @@ START_TEST(ambient_value_is_scattered_in)
     near(L.b, 7 * exp(-1));
     near(world_see(&w, 0, 0, 5, 0, 0, 1).g, 7); /* up to nowhere */
 }
-END_TEST
 
 /* What lights a floor at the bottom of a layer 2 deep, and the length of its
  * way in the layer. */
@@ -103,7 +102,7 @@ static const struct {
       2 * M_SQRT2 },
 };
 
-START_TEST(lights_reach_into_a_cloud)
+LOOP_TEST(lights_reach_into_a_cloud, N_ELEM(above))
 {
     static const char *const options[] = { "-dt 0", "-dt .5 -dj .5" };
     char scene[1024];
@@ -127,11 +126,10 @@ START_TEST(lights_reach_into_a_cloud)
             exp(-.3 * 2 * M_SQRT2 - .3 * .6 * above[_i].way), 1e-5);
     }
 }
-END_TEST
 
 /* -me does not dim what is in a mist of its own, so that -dt must not take far
  * lamps for dark: few near lamps would be tested, and the rest be lost. */
-START_TEST(far_lamps_in_a_cloud_are_tested)
+TEST(far_lamps_in_a_cloud_are_tested)
 {
     static const char *const dt[] = { "-dt 0", "-dt .02" };
     char scene[4096] =
@@ -159,7 +157,6 @@ START_TEST(far_lamps_in_a_cloud_are_tested)
     ck_assert_double_gt(seen[0], 0);
     ck_assert_double_eq_tol(seen[1] / seen[0], 1, .02);
 }
-END_TEST
 
 /* Layers that overlap, one left before the other or inside it; what is outside
  * at the end is as clear as before. */
@@ -173,7 +170,7 @@ static const struct {
     { LAYER("a", "1", "2"), LAYER("b", "3", "4"), .1 * 1 + .3 * 1 },
 };
 
-START_TEST(overlapping_layers_add_up)
+LOOP_TEST(overlapping_layers_add_up, N_ELEM(layers))
 {
     char scene[1024];
     struct rad_rgb up;
@@ -188,11 +185,10 @@ START_TEST(overlapping_layers_add_up)
     up = world_see(&w, 0, 0, .5, 0, 0, 1);
     near(up.r, 5 * exp(-layers[_i].depth));
 }
-END_TEST
 
 /* An inner mist with an albedo of its own gives way to the outer one's where
  * it ends. */
-START_TEST(albedo_comes_back_when_the_inner_mist_ends)
+TEST(albedo_comes_back_when_the_inner_mist_ends)
 {
     double e = exp(-.2);
 
@@ -204,10 +200,9 @@ START_TEST(albedo_comes_back_when_the_inner_mist_ends)
     /* a's three units lose e each, and the outer two scatter in */
     near(down(0, 5), (1 - e) + e * e * (1 - e));
 }
-END_TEST
 
 /* In front of, in, and behind a ball of index 1, which absorbs. */
-START_TEST(mist_is_back_behind_a_dielectric)
+TEST(mist_is_back_behind_a_dielectric)
 {
     world_open(&w,
                WALL "void mist fog 0 0 6 .1 .1 .1 0 0 0\n" LAYER(
@@ -216,11 +211,10 @@ START_TEST(mist_is_back_behind_a_dielectric)
                "-me .02 .02 .02 -ma .3 .3 .3");
     near(down(0, 10), 7 * exp(-.02 * 8 - .1 * 6) * .25);
 }
-END_TEST
 
 /* The irradiance of a lamp through mist: what scatters out of the way to it
  * scatters in as well, so absorption alone dims it. */
-START_TEST(shadow_rays_lose_what_is_absorbed)
+TEST(shadow_rays_lose_what_is_absorbed)
 {
     static const double p[3] = { 0, 0, 0 }, n[3] = { 0, 0, 1 };
     struct rad_ray r;
@@ -236,7 +230,6 @@ START_TEST(shadow_rays_lose_what_is_absorbed)
     near(r.L.g, E * exp(-.1 * 4));
     near(r.L.b, E);
 }
-END_TEST
 
 /* Single scattering of a small lamp beside a ray, by the midpoint rule over
  * its way. */
@@ -271,7 +264,7 @@ static const struct {
     { "1 b 0 7 .1 .1 .1 .9 .9 .9 -.5", "-ms 1", .1, .9, 0 },
 };
 
-START_TEST(source_is_scattered_into_the_ray)
+LOOP_TEST(source_is_scattered_into_the_ray, N_ELEM(scattering))
 {
     static const double lamp[3] = { 2, 0, 4 }, eye[3] = { 0, 0, 20 },
                         dir[3] = { 0, 0, -1 };
@@ -294,10 +287,9 @@ START_TEST(source_is_scattered_into_the_ray)
 
     ck_assert_double_eq_tol(L, truth, .01 * truth);
 }
-END_TEST
 
 /* Rays that start in the mist, and leave it, know of its sources. */
-START_TEST(eye_in_a_mist_with_sources_sees_them)
+TEST(eye_in_a_mist_with_sources_sees_them)
 {
     static const double lamp[3] = { 2, 0, 4 }, eye[3] = { 0, 0, 8 },
                         down_[3] = { 0, 0, -1 };
@@ -311,12 +303,11 @@ START_TEST(eye_in_a_mist_with_sources_sees_them)
 
     ck_assert_double_eq_tol(mean_of(eye, down_, 20000), truth, .01 * truth);
 }
-END_TEST
 
 /* Its boundary is another surface as well, first or second in a mixture: of
  * either part the medium of the scene takes what it takes once, and the mist
  * that of its own. */
-START_TEST(mixture_is_left_from_inside_by_parts)
+LOOP_TEST(mixture_is_left_from_inside_by_parts, 2)
 {
     char scene[512];
 
@@ -332,7 +323,6 @@ START_TEST(mixture_is_left_from_inside_by_parts)
     near(down(0, 8),
          .25 * 7 * exp(-.01 * 28 - .1 * 12) + .75 * .5 * exp(-.01 * 12));
 }
-END_TEST
 
 /* Which lamp lights the mist, by its colour. */
 static const struct {
@@ -349,7 +339,7 @@ static const struct {
     { "0", "", false, false, false },
 };
 
-START_TEST(names_say_which_sources_light_it)
+LOOP_TEST(names_say_which_sources_light_it, N_ELEM(named))
 {
     static const double eye[3] = { 0, 0, 9 }, dir[3] = { 0, 0, -1 };
     char scene[1024];
@@ -376,7 +366,6 @@ START_TEST(names_say_which_sources_light_it)
     if (named[_i].relayed) /* from 12 away, by way of the mirror */
         ck_assert_double_lt(r.L.r, M_PI * .09 * 7 / (4 * M_PI) / 100);
 }
-END_TEST
 
 /* -ms says how many rays go to a source: as many as fit, 1 to 16, in any unit.
  */
@@ -386,7 +375,7 @@ static const struct {
 } spacing[] = { { "-ms 0", 1 },   { "-ms 7", 1 },   { "-ms 2.1", 3 },
                 { "-ms .5", 14 }, { "-ms .1", 16 }, { "-ms 1e-9", 16 } };
 
-START_TEST(samples_are_as_far_apart_as_asked)
+LOOP_TEST(samples_are_as_far_apart_as_asked, N_ELEM(spacing))
 {
     world_open(&w,
                "void light l 0 0 3 1 1 1\nl sphere b 0 0 4 2 0 4 1e-3\n"
@@ -397,9 +386,8 @@ START_TEST(samples_are_as_far_apart_as_asked)
     down(0, 9);
     ck_assert_uint_eq(w.ctx.counts.shadow_rays, (uint64_t)spacing[_i].rays);
 }
-END_TEST
 
-START_TEST(same_key_gives_the_same_value)
+TEST(same_key_gives_the_same_value)
 {
     static const double eye[3] = { 0, 0, 9 }, dir[3] = { 0, 0, -1 };
     double L[2];
@@ -418,7 +406,6 @@ START_TEST(same_key_gives_the_same_value)
     ck_assert_double_eq(L[0], L[1]);
     ck_assert_double_gt(L[0], 0);
 }
-END_TEST
 
 /* Mists in mists, two of which name lamps, before a wall; more of a mist than
  * a ray's line holds. */
@@ -448,7 +435,7 @@ static const char *const maze[] = {
     "-lr 0 -lw .4", "-me .1 .1 .1 -ma .5 .5 .5 -mg .2", "-me .3 .2 .1",
 };
 
-START_TEST(boundaries_passed_at_once_are_what_they_are_one_by_one)
+LOOP_TEST(boundaries_passed_at_once_are_what_they_are_one_by_one, N_ELEM(maze))
 {
     struct world worlds[2] = { 0 };
     struct rad_ray r[2];
@@ -477,9 +464,8 @@ START_TEST(boundaries_passed_at_once_are_what_they_are_one_by_one)
     world_close(&worlds[0]);
     world_close(&worlds[1]);
 }
-END_TEST
 
-START_TEST(irradiance_of_the_eye_sees_no_mist)
+TEST(irradiance_of_the_eye_sees_no_mist)
 {
     world_open(&w,
                "void plastic p 0 0 5 .5 .5 .5 0 0\n"
@@ -487,35 +473,4 @@ START_TEST(irradiance_of_the_eye_sees_no_mist)
                "void mist fog 0 0 3 .1 .1 .1\n" LAYER("fog", "1", "3"),
                "-i -av 1 1 1");
     near(down(0, 5), M_PI);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("mist");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_add_test(tc, layer_dims_by_its_optical_depth);
-    tcase_add_test(tc, pattern_scales_the_extinction);
-    tcase_add_test(tc, ambient_value_is_scattered_in);
-    tcase_add_loop_test(tc, lights_reach_into_a_cloud, 0, N_ELEM(above));
-    tcase_add_test(tc, far_lamps_in_a_cloud_are_tested);
-    tcase_add_loop_test(tc, overlapping_layers_add_up, 0, N_ELEM(layers));
-    tcase_add_test(tc, albedo_comes_back_when_the_inner_mist_ends);
-    tcase_add_test(tc, mist_is_back_behind_a_dielectric);
-    tcase_add_test(tc, shadow_rays_lose_what_is_absorbed);
-    tcase_add_loop_test(tc, source_is_scattered_into_the_ray, 0,
-                        N_ELEM(scattering));
-    tcase_add_test(tc, eye_in_a_mist_with_sources_sees_them);
-    tcase_add_loop_test(tc, mixture_is_left_from_inside_by_parts, 0, 2);
-    tcase_add_loop_test(tc, names_say_which_sources_light_it, 0, N_ELEM(named));
-    tcase_add_loop_test(tc, samples_are_as_far_apart_as_asked, 0,
-                        N_ELEM(spacing));
-    tcase_add_test(tc, same_key_gives_the_same_value);
-    tcase_add_loop_test(tc,
-                        boundaries_passed_at_once_are_what_they_are_one_by_one,
-                        0, N_ELEM(maze));
-    tcase_add_test(tc, irradiance_of_the_eye_sees_no_mist);
-    return unit_run_case(tc);
 }

@@ -37,9 +37,11 @@ fresnel(double n, double deg, double *rs, double *rp)
 
 static const double angles[] = { 0, 10, 30, 45, 56.659, 70, 80, 89 };
 
+FIXTURE(NULL, world_tear_down)
+
 /* Radiance's manual: T = (1-r)^2 t / (1-r^2 t^2), mean of polarizations, with
  * t = tn^(1/cos of the angle inside). */
-START_TEST(glass_transmits_as_the_manual_says)
+LOOP_TEST(glass_transmits_as_the_manual_says, N_ELEM(angles))
 {
     double rs, rp, t, T, deg = angles[_i];
 
@@ -51,10 +53,9 @@ START_TEST(glass_transmits_as_the_manual_says)
     ck_assert_double_eq_tol(world_tilted(&w, deg).g, T, 1e-6);
     ck_assert_double_eq_tol(world_tilted(&w, -deg).g, T, 1e-6);
 }
-END_TEST
 
 /* Clear glass loses nothing. */
-START_TEST(clear_glass_reflects_what_it_does_not_transmit)
+LOOP_TEST(clear_glass_reflects_what_it_does_not_transmit, N_ELEM(angles))
 {
     struct world a = { 0 }, b = { 0 };
 
@@ -66,17 +67,15 @@ START_TEST(clear_glass_reflects_what_it_does_not_transmit)
     world_close(&a);
     world_close(&b);
 }
-END_TEST
 
 /* The transmissivity that the manual gives for 88 % transmittance. */
-START_TEST(glass_of_96_percent_is_the_88_percent_pane)
+TEST(glass_of_96_percent_is_the_88_percent_pane)
 {
     world_open(&w, BELOW "void glass m 0 0 3 .96 .96 .96\n m" SQUARE, PLAIN);
     ck_assert_double_eq_tol(world_tilted(&w, 0).r, .88, .0016);
 }
-END_TEST
 
-START_TEST(dielectric_reflects_by_fresnel)
+LOOP_TEST(dielectric_reflects_by_fresnel, N_ELEM(angles))
 {
     double rs, rp, deg = angles[_i];
 
@@ -85,9 +84,8 @@ START_TEST(dielectric_reflects_by_fresnel)
     fresnel(1.5, deg, &rs, &rp);
     ck_assert_double_eq_tol(world_tilted(&w, deg).g, .5 * (rs + rp), 1e-6);
 }
-END_TEST
 
-START_TEST(dielectric_at_brewsters_angle_reflects_one_polarization)
+TEST(dielectric_at_brewsters_angle_reflects_one_polarization)
 {
     double n = 1.5, rs = pow((1 - n * n) / (1 + n * n), 2);
 
@@ -96,11 +94,10 @@ START_TEST(dielectric_at_brewsters_angle_reflects_one_polarization)
     ck_assert_double_eq_tol(world_tilted(&w, atan(n) * 180 / M_PI).r, rs / 2,
                             1e-7);
 }
-END_TEST
 
 /* Seen from within, the surface is a mirror beyond the critical angle, 41.8
  * degrees, and none before. */
-START_TEST(dielectric_reflects_totally_from_within)
+TEST(dielectric_reflects_totally_from_within)
 {
     double rs, rp;
 
@@ -112,10 +109,9 @@ START_TEST(dielectric_reflects_totally_from_within)
     ck_assert_double_eq_tol(world_see(&w, 0, 0, -1, sin(.6), 0, cos(.6)).r,
                             .5 * (rs + rp), 1e-6);
 }
-END_TEST
 
 /* A small sun where Snell's law sends the ray, and one a degree off. */
-START_TEST(dielectric_refracts_by_snell)
+TEST(dielectric_refracts_by_snell)
 {
     double i = M_PI / 4, t = asin(sin(i) / 1.5), rs, rp;
     char text[512];
@@ -134,11 +130,10 @@ START_TEST(dielectric_refracts_by_snell)
             off ? 0 : 9 * (1 - .5 * (rs + rp)) / (1.5 * 1.5), 1e-6);
     }
 }
-END_TEST
 
 /* A slab of two faces: the gain by the index is gone, what is absorbed on the
  * way is the transmission per length to the power of its thickness. */
-START_TEST(dielectric_slab_absorbs_by_length)
+TEST(dielectric_slab_absorbs_by_length)
 {
     double r = .04, t = pow(.5, 2);
 
@@ -150,10 +145,9 @@ START_TEST(dielectric_slab_absorbs_by_length)
                             (1 - r) * (1 - r) * t / (1 - r * r * t * t), 1e-6);
     ck_assert_double_eq_tol(world_tilted(&w, 0).g, (1 - r) / (1 + r), 1e-6);
 }
-END_TEST
 
 /* An interface of equal sides is not there, but for what it absorbs. */
-START_TEST(interface_of_equal_indices_lets_all_pass)
+TEST(interface_of_equal_indices_lets_all_pass)
 {
     world_open(&w,
                BELOW "void interface m 0 0 8 1 1 1 1.4 1 1 .5 1.4\n m" SQUARE,
@@ -164,7 +158,6 @@ START_TEST(interface_of_equal_indices_lets_all_pass)
         world_see(&w, -2 * sin(1), 0, 2 * cos(1), sin(1), 0, -cos(1)).b, .25,
         1e-6);
 }
-END_TEST
 
 /* A smooth surface: part that is reflected toward a white sky. */
 static const struct {
@@ -182,7 +175,7 @@ static const struct {
     { "trans m 0 0 7 0 0 0 .05 0 .5 .5", 0, .05, .05 },
 };
 
-START_TEST(mirror_brightens_toward_grazing)
+LOOP_TEST(mirror_brightens_toward_grazing, N_ELEM(mirror))
 {
     char text[512];
 
@@ -193,16 +186,14 @@ START_TEST(mirror_brightens_toward_grazing)
     ck_assert_double_eq_tol(world_tilted(&w, mirror[_i].deg).g, mirror[_i].g,
                             1e-5);
 }
-END_TEST
 
-START_TEST(clear_trans_passes_its_specular_part)
+TEST(clear_trans_passes_its_specular_part)
 {
     world_open(&w, BELOW "void trans m 0 0 7 .5 1 0 .01 0 .6 .7\n m" SQUARE,
                PLAIN);
     ck_assert_double_eq_tol(world_tilted(&w, 30).r, .5 * .99 * .6 * .7, 1e-6);
     ck_assert_double_eq_tol(world_tilted(&w, 30).g, .99 * .6 * .7, 1e-6);
 }
-END_TEST
 
 /* Ambient light alone: each part of the material takes its share, gloss below
  * the threshold too. */
@@ -218,7 +209,7 @@ static const struct {
     { "trans m 0 0 7 .5 .5 .5 0 .1 .6 .5", "-st .4", .5 * .4 + .5 * .6 },
 };
 
-START_TEST(ambient_light_is_shared_out)
+LOOP_TEST(ambient_light_is_shared_out, N_ELEM(shares))
 {
     char text[512], options[64];
 
@@ -227,7 +218,6 @@ START_TEST(ambient_light_is_shared_out)
     world_open(&w, text, options);
     ck_assert_double_eq_tol(world_tilted(&w, 20).r, shares[_i].L, 1e-6);
 }
-END_TEST
 
 static const struct {
     const char *material;
@@ -244,7 +234,7 @@ static const struct {
 
 /* The light of many suns by rad_direct() is the integral of the BRDF; a white
  * sky by sampled rays is the lobe's albedo. */
-START_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf)
+LOOP_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf, N_ELEM(gloss))
 {
     static char text[400000];
     double direct, sampled;
@@ -260,17 +250,15 @@ START_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf)
     ck_assert_double_gt(sampled, 0);
     ck_assert_double_eq_tol(direct, gloss[_i].diffuse + sampled, gloss[_i].tol);
 }
-END_TEST
 
 /* One sample, and the one that -ss 0 sends the mirror's way, weigh in full. */
-START_TEST(single_gloss_sample_has_the_weight_of_the_lobe)
+LOOP_TEST(single_gloss_sample_has_the_weight_of_the_lobe, 2)
 {
     world_open(&w, ABOVE "void plastic m 0 0 5 0 0 0 .2 .3\n m" SQUARE,
                _i ? PLAIN " -ss 1" : PLAIN);
     for (int deg = 0; deg < 60; deg += 10)
         ck_assert_double_eq_tol(world_tilted(&w, deg).r, .2, 1e-6);
 }
-END_TEST
 
 /* Share of the facets drawn (Ward's distribution, those that reflect below the
  * surface left out) that reflect to within half the angle `cone` of dir, by the
@@ -301,7 +289,7 @@ static const struct {
     double deg, alpha, cone;
 } lobe[] = { { 10, .2, 30 }, { 45, .3, 40 }, { 75, .4, 60 }, { 85, .3, 20 } };
 
-START_TEST(single_gloss_samples_fill_the_lobe)
+LOOP_TEST(single_gloss_samples_fill_the_lobe, N_ELEM(lobe))
 {
     enum { N = 200000 };
     double a = lobe[_i].deg * M_PI / 180;
@@ -325,9 +313,8 @@ START_TEST(single_gloss_samples_fill_the_lobe)
                             lobe_share(lobe[_i].alpha, in, dir, lobe[_i].cone),
                             .0045);
 }
-END_TEST
 
-START_TEST(rough_trans_keeps_its_energy)
+TEST(rough_trans_keeps_its_energy)
 {
     static char text[800000];
     double direct, sampled;
@@ -344,7 +331,6 @@ START_TEST(rough_trans_keeps_its_energy)
     /* Ward's transmitted lobe is normalized for small roughness only */
     ck_assert_double_eq_tol(direct, .9 * .8, .03);
 }
-END_TEST
 
 /* What rays of each path see of emitters.  The square faces up; from below its
  * back is seen, and a grey sky through it where it is not there. */
@@ -388,7 +374,7 @@ static const struct {
     { "spotlight m 0 0 7 2 2 2 100 1 0 1", "", 1, 0, 2 },
 };
 
-START_TEST(emitter_shows_each_ray_what_it_may_count)
+LOOP_TEST(emitter_shows_each_ray_what_it_may_count, N_ELEM(emitter))
 {
     char text[1024];
     struct rad_ray r;
@@ -401,10 +387,9 @@ START_TEST(emitter_shows_each_ray_what_it_may_count)
     rad_ray_trace(&w.ctx, &r);
     ck_assert_double_eq_tol(r.L.g, emitter[_i].L, 1e-6);
 }
-END_TEST
 
 /* A surface in the sun, with something between them. */
-START_TEST(shadow_ray_is_dimmed_by_glass_and_trans)
+LOOP_TEST(shadow_ray_is_dimmed_by_glass_and_trans, 5)
 {
     static const char sun[] =
         "void light sun 0 0 3 1e6 1e6 1e6 sun source s 0 0 4 0 0 1 .5\n"
@@ -432,12 +417,11 @@ START_TEST(shadow_ray_is_dimmed_by_glass_and_trans)
     world_close(&open);
     world_close(&shut);
 }
-END_TEST
 
 #define GLASS_R 0.042579994960 /* ((1.52 - 1) / (1.52 + 1))^2 */
 
 /* E = L omega cos. */
-START_TEST(irradiance_of_a_sun_follows_the_cosine)
+TEST(irradiance_of_a_sun_follows_the_cosine)
 {
     static const char sun[] =
         "void light sun 0 0 3 1e4 1e4 1e4 sun source s 0 0 4 0 0 1 .5\n"
@@ -460,7 +444,6 @@ START_TEST(irradiance_of_a_sun_follows_the_cosine)
     ck_assert_double_eq_tol(world_see(&w, 0, 0, 1, 0, 0, -1).r,
                             E * (1 - GLASS_R) / (1 + GLASS_R), 1e-4 * E);
 }
-END_TEST
 
 static struct world_file texts[] = {
     { "box.fnt", "65 4 50 50 200 50 200 200 50 200 32 0" },
@@ -491,7 +474,7 @@ static const struct {
     { "2 box.fnt two.txt", 1.5, -1.5, true },
 };
 
-START_TEST(text_colours_its_cells)
+LOOP_TEST(text_colours_its_cells, N_ELEM(cell))
 {
     char text[1024];
 
@@ -504,7 +487,6 @@ START_TEST(text_colours_its_cells)
         world_see(&w, cell[_i].x, cell[_i].y, 3, 0, 0, -1).b,
         .5 * (cell[_i].fore ? .3 : .6), 1e-6);
 }
-END_TEST
 
 static const struct {
     const char *text, *message;
@@ -526,13 +508,12 @@ static const struct {
     { "void glass a 0 0 4 1 1 1 0 a" SQUARE, "index" },
 };
 
-START_TEST(bad_material_is_refused_by_name)
+LOOP_TEST(bad_material_is_refused_by_name, N_ELEM(bad))
 {
     world_refused(bad[_i].text, "", &files, bad[_i].message);
 }
-END_TEST
 
-START_TEST(missing_font_is_told_with_the_scenes_line)
+TEST(missing_font_is_told_with_the_scenes_line)
 {
     ck_assert_int_eq(
         world_try(&w,
@@ -543,9 +524,8 @@ START_TEST(missing_font_is_told_with_the_scenes_line)
     ck_assert_str_eq(w.err.where, "test.rad:3");
     ck_assert_str_eq(w.err.what, "brighttext 't': no file 'none.fnt'");
 }
-END_TEST
 
-START_TEST(modifier_that_nothing_uses_needs_no_file_and_no_support)
+TEST(modifier_that_nothing_uses_needs_no_file_and_no_support)
 {
     ck_assert_int_eq(
         world_try(
@@ -558,10 +538,9 @@ START_TEST(modifier_that_nothing_uses_needs_no_file_and_no_support)
         0);
     ck_assert_double_eq_tol(world_tilted(&w, 0).r, .5, 1e-6);
 }
-END_TEST
 
 /* An alias is its target, with its own pattern in front of nothing else. */
-START_TEST(alias_takes_the_target_and_its_own_modifier)
+TEST(alias_takes_the_target_and_its_own_modifier)
 {
     ck_assert_int_eq(
         world_try(&w,
@@ -573,7 +552,6 @@ START_TEST(alias_takes_the_target_and_its_own_modifier)
     ck_assert_double_eq_tol(world_see(&w, .5, -.5, 3, 0, 0, -1).r, 1, 1e-6);
     ck_assert_double_eq_tol(world_see(&w, 2.5, -.5, 3, 0, 0, -1).r, .5, 1e-6);
 }
-END_TEST
 
 static const struct {
     const char *pane;
@@ -596,7 +574,7 @@ static const struct {
  * of radiance 1; the glass mirrors a ball of radiance 3, by .2 of the 1.2
  * that it shows.  Behind a dim pane the ball's distance counts.  (rpict's rule,
  * by its source and rtrace -ol.) */
-START_TEST(behind_a_dim_pane_the_mirrored_is_far)
+LOOP_TEST(behind_a_dim_pane_the_mirrored_is_far, N_ELEM(panes))
 {
     static const char *rest =
         "p polygon pane 0 0 12 -.1 -.1 1 .1 -.1 1 .1 .1 1 -.1 .1 1\n"
@@ -616,47 +594,4 @@ START_TEST(behind_a_dim_pane_the_mirrored_is_far)
     ck_assert_double_eq_tol(rad_ray_distance(&r),
                             panes[_i].dim ? 4 * sqrt(2) - .5 : 3 * sqrt(2),
                             1e-9);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("materials");
-
-    tcase_add_checked_fixture(tc, NULL, world_tear_down);
-    tcase_set_timeout(tc, 600); /* for busy machines */
-    tcase_add_loop_test(tc, glass_transmits_as_the_manual_says, 0,
-                        N_ELEM(angles));
-    tcase_add_loop_test(tc, clear_glass_reflects_what_it_does_not_transmit, 0,
-                        N_ELEM(angles));
-    tcase_add_test(tc, glass_of_96_percent_is_the_88_percent_pane);
-    tcase_add_loop_test(tc, dielectric_reflects_by_fresnel, 0, N_ELEM(angles));
-    tcase_add_test(tc, dielectric_at_brewsters_angle_reflects_one_polarization);
-    tcase_add_test(tc, dielectric_reflects_totally_from_within);
-    tcase_add_test(tc, dielectric_refracts_by_snell);
-    tcase_add_test(tc, dielectric_slab_absorbs_by_length);
-    tcase_add_test(tc, interface_of_equal_indices_lets_all_pass);
-    tcase_add_loop_test(tc, mirror_brightens_toward_grazing, 0, N_ELEM(mirror));
-    tcase_add_test(tc, clear_trans_passes_its_specular_part);
-    tcase_add_loop_test(tc, ambient_light_is_shared_out, 0, N_ELEM(shares));
-    tcase_add_loop_test(tc, gloss_drawn_in_samples_is_the_integral_of_the_brdf,
-                        0, N_ELEM(gloss));
-    tcase_add_loop_test(tc, single_gloss_sample_has_the_weight_of_the_lobe, 0,
-                        2);
-    tcase_add_loop_test(tc, single_gloss_samples_fill_the_lobe, 0,
-                        N_ELEM(lobe));
-    tcase_add_loop_test(tc, behind_a_dim_pane_the_mirrored_is_far, 0,
-                        N_ELEM(panes));
-    tcase_add_test(tc, rough_trans_keeps_its_energy);
-    tcase_add_loop_test(tc, emitter_shows_each_ray_what_it_may_count, 0,
-                        N_ELEM(emitter));
-    tcase_add_loop_test(tc, shadow_ray_is_dimmed_by_glass_and_trans, 0, 5);
-    tcase_add_test(tc, irradiance_of_a_sun_follows_the_cosine);
-    tcase_add_loop_test(tc, text_colours_its_cells, 0, N_ELEM(cell));
-    tcase_add_loop_test(tc, bad_material_is_refused_by_name, 0, N_ELEM(bad));
-    tcase_add_test(tc, missing_font_is_told_with_the_scenes_line);
-    tcase_add_test(tc, modifier_that_nothing_uses_needs_no_file_and_no_support);
-    tcase_add_test(tc, alias_takes_the_target_and_its_own_modifier);
-    return unit_run_case(tc);
 }

@@ -72,7 +72,7 @@ static const struct {
       PIX(48) },
 };
 
-START_TEST(pattern_is_what_the_table_says)
+LOOP_TEST(pattern_is_what_the_table_says, N_ELEM(seen))
 {
     char scene[512];
     struct rad_rgb L;
@@ -83,7 +83,6 @@ START_TEST(pattern_is_what_the_table_says)
     ck_assert_double_eq_tol(L.g, seen[_i].g, 2e-6 * seen[_i].g);
     ck_assert_double_eq_tol(L.b, seen[_i].b, 2e-6 * seen[_i].b);
 }
-END_TEST
 
 /* arg: how often, an int. */
 static unsigned char *
@@ -93,7 +92,7 @@ count_reads(void *arg, const char *name, size_t *len, struct rad_error *err)
     return world_file_read(texts, name, len, err);
 }
 
-START_TEST(file_is_read_once)
+TEST(file_is_read_once)
 {
     int reads = 0;
     struct rad_files counted = { .read = count_reads, .arg = &reads };
@@ -108,9 +107,8 @@ START_TEST(file_is_read_once)
     ck_assert_double_eq_tol(L.r, 6 * PIX(64) * PIX(64), 1e-5);
     ck_assert_int_eq(reads, 2);
 }
-END_TEST
 
-START_TEST(texture_tilts_the_normal)
+TEST(texture_tilts_the_normal)
 {
     /* a mirror tilted by .1 looks .2 away from the zenith; the data are
      * (2, 4, 2) and the texture (0, 4 k, 0), turned by -90 */
@@ -123,7 +121,6 @@ START_TEST(texture_tilts_the_normal)
 
     ck_assert_double_eq_tol(L.g, cos(.2), 1e-6);
 }
-END_TEST
 
 static const struct {
     const char *mixture;
@@ -144,7 +141,7 @@ static const struct {
     { "mixtext m 4 one two box.fnt . 0 9 1 4 0 2 0 0 0 -2 0", 0, 1 },
 };
 
-START_TEST(mixture_weighs_its_materials)
+LOOP_TEST(mixture_weighs_its_materials, N_ELEM(mixed))
 {
     struct rad_rgb L;
     char scene[512];
@@ -159,9 +156,8 @@ START_TEST(mixture_weighs_its_materials)
     ck_assert_double_eq_tol(L.r, mixed[_i].r, 1e-6);
     ck_assert_double_eq_tol(L.g, mixed[_i].g, 1e-6);
 }
-END_TEST
 
-START_TEST(mixture_of_patterns_is_a_pattern)
+TEST(mixture_of_patterns_is_a_pattern)
 {
     struct rad_rgb L = see("void brightfunc two 2 2 . 0 0\n"
                            "void mixdata p 6 two void noop line.dat . .25 0 0\n"
@@ -170,7 +166,6 @@ START_TEST(mixture_of_patterns_is_a_pattern)
 
     ck_assert_double_eq_tol(L.g, 2 * (.25 * 2 + .75), 1e-6);
 }
-END_TEST
 
 static const struct {
     const char *pattern, *problem;
@@ -195,16 +190,15 @@ static const struct {
     { "mixtext p 4 void void box.fnt a.txt 0 9 1 4 0 2 0 0 2 0 0", "parallel" },
 };
 
-START_TEST(bad_table_is_refused_by_name)
+LOOP_TEST(bad_table_is_refused_by_name, N_ELEM(bad))
 {
     char scene[512];
 
     snprintf(scene, sizeof scene, "void %s\np" SHINE, bad[_i].pattern);
     world_refused(scene, PLAIN, &files, bad[_i].problem);
 }
-END_TEST
 
-START_TEST(scene_without_tables_stores_nothing)
+TEST(scene_without_tables_stores_nothing)
 {
     struct world w = { 0 };
 
@@ -212,7 +206,6 @@ START_TEST(scene_without_tables_stores_nothing)
     ck_assert_ptr_null(w.job->stored);
     world_close(&w);
 }
-END_TEST
 
 static const struct {
     enum rad_otype type;
@@ -227,7 +220,7 @@ static const struct {
     { RAD_COLORTEXT, "a.cd", "a" },
 };
 
-START_TEST(files_belong_to_the_bundle)
+LOOP_TEST(files_belong_to_the_bundle, N_ELEM(named))
 {
     char word[16][2] = { { 0 } };
     const char *strings[16];
@@ -243,21 +236,4 @@ START_TEST(files_belong_to_the_bundle)
         ck_assert_int_eq(rad_object_file(&o, k)[0], named[_i].files[k]);
     }
     ck_assert_ptr_null(rad_object_file(&o, k));
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("table");
-
-    tcase_add_loop_test(tc, pattern_is_what_the_table_says, 0, N_ELEM(seen));
-    tcase_add_test(tc, file_is_read_once);
-    tcase_add_test(tc, texture_tilts_the_normal);
-    tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
-    tcase_add_test(tc, mixture_of_patterns_is_a_pattern);
-    tcase_add_loop_test(tc, bad_table_is_refused_by_name, 0, N_ELEM(bad));
-    tcase_add_test(tc, scene_without_tables_stores_nothing);
-    tcase_add_loop_test(tc, files_belong_to_the_bundle, 0, N_ELEM(named));
-    return unit_run_case(tc);
 }

@@ -40,7 +40,7 @@ static const struct {
     { PLAIN, ABOVE, 1 }, { PLAIN, BELOW, -1 },
 };
 
-START_TEST(rough_parts_are_those_of_simple_types)
+LOOP_TEST(rough_parts_are_those_of_simple_types, N_ELEM(same))
 {
     for (int k = 0; k < N_ELEM(shown); k++) {
         struct rad_rgb L[2];
@@ -61,11 +61,10 @@ START_TEST(rough_parts_are_those_of_simple_types)
         ck_assert_double_eq_tol(L[0].b, L[1].b, 1e-6 * (1 + L[1].b));
     }
 }
-END_TEST
 
 /* A mirror of more than .018 gains by exp(-5.85 cos) - .00203 of what it lacks,
  * and all else loses as much; a weaker one does not. */
-START_TEST(bright_mirror_gains_toward_grazing)
+TEST(bright_mirror_gains_toward_grazing)
 {
     static const double deg[] = { 0, 45, 80 };
     const char *pane = "13 void .3 0 0 void .4 0 0 void 1 0 0 . "
@@ -92,10 +91,9 @@ START_TEST(bright_mirror_gains_toward_grazing)
         ck_assert_double_eq_tol(see(scene, PLAIN, deg[i]).g, .4, 1e-6);
     }
 }
-END_TEST
 
 /* By the light's angle, too. */
-START_TEST(bright_mirror_takes_from_diffuse_light)
+TEST(bright_mirror_takes_from_diffuse_light)
 {
     for (int side = 1; side >= -1; side -= 2) {
         double sun[3], loss = exp(-5.85 * cos(RADIANS(70))) - .00202943064;
@@ -113,10 +111,9 @@ START_TEST(bright_mirror_takes_from_diffuse_light)
                                 1e-6);
     }
 }
-END_TEST
 
 /* Front and back reflect diffusely by numbers of their own. */
-START_TEST(sides_differ_in_diffuse_reflection)
+TEST(sides_differ_in_diffuse_reflection)
 {
     static const char scene[] =
         "void WGMDfunc m 13 " NOTHING NOTHING "void 1 0 0 . "
@@ -127,7 +124,6 @@ START_TEST(sides_differ_in_diffuse_reflection)
     ck_assert_double_eq_tol(see(scene, "-av 1 1 1", 150).r, .45, 1e-6);
     ck_assert_double_eq_tol(see(scene, "-av 1 1 1", 150).b, .35, 1e-6);
 }
-END_TEST
 
 /* Each part has its own pattern: the material's is .5 .25 .125, another .1 .2
  * .4; from below the same. */
@@ -142,7 +138,7 @@ static const struct {
     { "void", "other", "other", 1, .2, .2 },
 };
 
-START_TEST(each_part_has_its_modifier)
+LOOP_TEST(each_part_has_its_modifier, N_ELEM(modified))
 {
     for (int k = 0; k < 6; k++) {
         double deg = k < 3 ? 10 : 170, expect;
@@ -166,11 +162,10 @@ START_TEST(each_part_has_its_modifier)
         ck_assert_double_eq_tol(L.g, expect, 1e-6);
     }
 }
-END_TEST
 
 /* A texture of slope .1 bends what passes, or tilts what is mirrored, if it is
  * the part's; seen from below it does so by the normal turned to the eye. */
-START_TEST(texture_bends_its_part_alone)
+TEST(texture_bends_its_part_alone)
 {
     double tilt = atan(.1), ahead[3] = { 0, 0, -1 }, expect;
     static const char *const modifier[] = { "void", "t" };
@@ -195,10 +190,9 @@ START_TEST(texture_bends_its_part_alone)
         ck_assert_double_eq_tol(see(scene, PLAIN, 0).g, expect, 1e-6);
     }
 }
-END_TEST
 
 /* The expressions see each part's own normal, on the side of the eye. */
-START_TEST(expressions_see_the_parts_normal)
+TEST(expressions_see_the_parts_normal)
 {
     for (int k = 0; k < 4; k++) {
         double deg = k & 1 ? 150 : 30, c = cos(RADIANS(30)), s = 1 / sqrt(1.01);
@@ -218,10 +212,9 @@ START_TEST(expressions_see_the_parts_normal)
         ck_assert_double_eq_tol(see(scene, PLAIN, deg).g, .5, 1e-6);
     }
 }
-END_TEST
 
 /* Shadow rays pass where what is transmitted is not rough. */
-START_TEST(unbent_part_lets_shadow_rays_pass)
+TEST(unbent_part_lets_shadow_rays_pass)
 {
     static const struct {
         const char *ts, *options;
@@ -258,10 +251,9 @@ START_TEST(unbent_part_lets_shadow_rays_pass)
         world_close(&w);
     }
 }
-END_TEST
 
 /* Errors leave their part away; a missing name matters where it is used. */
-START_TEST(part_without_a_value_is_not_there)
+TEST(part_without_a_value_is_not_there)
 {
     static const char *const none[] = {
         "void sqrt(-1-Px) 0 0 ", "void 1 1/(Px-Px) 0 ", "void 1 .1 sqrt(-.5) ",
@@ -279,7 +271,6 @@ START_TEST(part_without_a_value_is_not_there)
         ck_assert_double_eq_tol(see(scene, "-av 1 1 1 -st 1", 20).g, .5, 1e-6);
     }
 }
-END_TEST
 
 static const struct {
     const char *text, *message;
@@ -307,30 +298,10 @@ static const struct {
       "no file 'none.cal'" },
 };
 
-START_TEST(bad_arguments_are_refused)
+LOOP_TEST(bad_arguments_are_refused, N_ELEM(bad))
 {
     char scene[512];
 
     snprintf(scene, sizeof scene, "%s" SQUARE, bad[_i].text);
     world_refused(scene, "", NULL, bad[_i].message);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("wgmd");
-
-    tcase_add_loop_test(tc, rough_parts_are_those_of_simple_types, 0,
-                        N_ELEM(same));
-    tcase_add_test(tc, bright_mirror_gains_toward_grazing);
-    tcase_add_test(tc, bright_mirror_takes_from_diffuse_light);
-    tcase_add_test(tc, sides_differ_in_diffuse_reflection);
-    tcase_add_loop_test(tc, each_part_has_its_modifier, 0, N_ELEM(modified));
-    tcase_add_test(tc, texture_bends_its_part_alone);
-    tcase_add_test(tc, expressions_see_the_parts_normal);
-    tcase_add_test(tc, unbent_part_lets_shadow_rays_pass);
-    tcase_add_test(tc, part_without_a_value_is_not_there);
-    tcase_add_loop_test(tc, bad_arguments_are_refused, 0, N_ELEM(bad));
-    return unit_run_case(tc);
 }
