@@ -1,7 +1,7 @@
 #!/bin/sh
-# doors.sh - the floor plan holds: rooms use what the table says, files of the
-# daemons never call each other in a loop, names say where they are, and files
-# that are named are there
+# doors.sh - the floor plan holds: rooms use what the table says, files of daemons
+# and clients never call each other in a loop, names say where they are, and
+# files that are named are there
 #
 # The table of rooms in doc/architecture.md is the plan, from the ground up: a
 # room uses only rooms that its row names, and these stand above its row.  What
@@ -120,8 +120,7 @@ awk '$3 == "U" { print $1, $2 }' "$tmp/symbols" | sort -u >"$tmp/wants"
 awk 'NR == FNR { where[$2] = $1; next }
      ($2 in where) && where[$2] != $1 { print $1, where[$2] }' \
     "$tmp/has" "$tmp/wants" | sort -u >"$tmp/calls"
-grep '^\(daemon\|net\)/.* \(daemon\|net\)/' "$tmp/calls" >"$tmp/daemons"
-tsort <"$tmp/daemons" 2>&1 >/dev/null | sed 's/^tsort: *//' |
+tsort <"$tmp/calls" 2>&1 >/dev/null | sed 's/^tsort: *//' |
     tell "files that call each other in a loop (the files of one, then the next)"
 
 # --- libm: what IEEE 754 leaves open comes from src/arith, with the same bits

@@ -8,7 +8,28 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ANSWER_MS = 4500 /* from the start: status 69 comes within 5 s */ };
+enum {
+    CONNECT_MS = 3000,
+    ANSWER_MS = 4500 /* from the start: status 69 comes within 5 s */
+};
+
+int
+ctl_connect(struct ctl *c)
+{
+    const struct target *to = &c->to;
+    struct link_where where = { &c->loop, &c->wake };
+    int rc;
+
+    c->local = to->local;
+    c->role = link_role(to);
+    rc = link_open(&c->link, &where, to, c->role, CONNECT_MS, c->err);
+    if (rc == RAD_EPERM && to->local) {
+        *c->err = (struct rad_error){ 0 };
+        c->role = MSG_ROLE_USER;
+        rc = link_open(&c->link, &where, to, c->role, CONNECT_MS, c->err);
+    }
+    return rc;
+}
 
 int
 ctl_ask(struct ctl *c, struct msg *m, const struct msg **answer)

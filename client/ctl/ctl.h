@@ -63,11 +63,10 @@ struct ctl_command {
     int number; /* the message or query that it sends */
 };
 
-/* Connect to c->to in the role with most rights that is granted (radctl.c). */
-int ctl_connect(struct ctl *c);
-
 /* --- requests (ctl.c) --- */
 
+/* Connect to c->to in the role with most rights that is granted. */
+int ctl_connect(struct ctl *c);
 /* Send m and wait for its ANSWER, valid until the next request.  A FAILED
  * becomes the error. */
 int ctl_ask(struct ctl *c, struct msg *m, const struct msg **answer);

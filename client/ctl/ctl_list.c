@@ -84,9 +84,9 @@ int
 ctl_check_list(struct ctl *c)
 {
     bool workers = c->command->number == MSG_QUERY_WORKERS;
-    const char *const *state = c->command->run == ctl_run_key ? key_states
-                               : workers                      ? worker_states
-                                                              : job_states;
+    const char *const *state = c->command->number == MSG_KEY ? key_states
+                               : workers                     ? worker_states
+                                                             : job_states;
     char known[200] = "";
 
     for (; c->state && *state; state++) {

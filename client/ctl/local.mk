@@ -16,4 +16,6 @@ libclient_a_SOURCES += \
 	client/ctl/row.h \
 	client/ctl/top.c \
 	client/ctl/top.h \
-	client/ctl/top_lines.c
+	client/ctl/top_lines.c \
+	client/ctl/top_rows.c \
+	client/ctl/top_rows.h

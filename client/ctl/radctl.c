@@ -1,7 +1,7 @@
 /* radctl.c - look at and steer a running cluster; see radctl(1)
  *
- * This file has the command line, the table of commands and the connection.
- * ctl_*.c have the commands themselves. */
+ * This file has the command line and the table of commands, ctl_*.c have the
+ * commands themselves. */
 #include "config.h"
 
 #include "ctl/ctl.h"
@@ -15,8 +15,6 @@
 #include <string.h>
 #include <sysexits.h>
 #include <unistd.h>
-
-enum { CONNECT_MS = 3000 };
 
 static const struct ctl_command commands[] = {
     { "status", NULL, "coordinator, workers and jobs in short", NULL,
@@ -377,24 +375,6 @@ asks_for(int argc, char *argv[], const char *option)
 }
 
 /* --- connection --- */
-
-int
-ctl_connect(struct ctl *c)
-{
-    const struct target *to = &c->to;
-    struct link_where where = { &c->loop, &c->wake };
-    int rc;
-
-    c->local = to->local;
-    c->role = link_role(to);
-    rc = link_open(&c->link, &where, to, c->role, CONNECT_MS, c->err);
-    if (rc == RAD_EPERM && to->local) {
-        *c->err = (struct rad_error){ 0 };
-        c->role = MSG_ROLE_USER;
-        rc = link_open(&c->link, &where, to, c->role, CONNECT_MS, c->err);
-    }
-    return rc;
-}
 
 /* Explain an error if no coordinator was named and none is on this machine. */
 static void

@@ -2,16 +2,15 @@
 #include "config.h"
 
 #include "ctl/top.h"
+
 #include "ctl/row.h"
-#include "machine/lists.h"
+#include "ctl/top_rows.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { PAGE = 10 };
-
-static const char *const name_key[TOP_NPANE] = { "name", "job" };
 
 void
 top_init(struct top *t)
@@ -35,14 +34,14 @@ top_release(struct top *t)
 /* --- new data --- */
 
 static json_t *
-find_row(const json_t *rows, const char *key, const char *name)
+find_row(const struct top *t, enum top_pane pane, const char *name)
 {
     json_t *row;
     size_t i;
 
-    json_array_foreach(rows, i, row)
+    json_array_foreach(t->list[pane].rows, i, row)
     {
-        if (strcmp(row_text(row, key), name) == 0)
+        if (strcmp(top_name(pane, row), name) == 0)
             return row;
     }
     return NULL;
@@ -54,7 +53,7 @@ static double
 steady(const struct top *t, enum top_pane pane, const json_t *row, double rate)
 {
     const json_t *was =
-        json_object_get(t->list[pane].rates, row_text(row, name_key[pane]));
+        json_object_get(t->list[pane].rates, top_name(pane, row));
     const char *state = row_text(row, "state");
     bool works = strcmp(state, "working") == 0 || strcmp(state, "running") == 0;
 
@@ -70,8 +69,8 @@ rates_of(const struct top *t, enum top_pane pane, const json_t *rows, double s)
 
     json_array_foreach(rows, i, row)
     {
-        const char *name = row_text(row, name_key[pane]);
-        const json_t *was = find_row(t->list[pane].rows, name_key[pane], name);
+        const char *name = top_name(pane, row);
+        const json_t *was = find_row(t, pane, name);
         const json_t *then = json_object_get(was, "rays");
         const json_t *now = json_object_get(row, "rays");
         double more = json_number_value(now) - json_number_value(then);
@@ -107,88 +106,7 @@ top_take(struct top *t, double now_s, json_t *status, json_t *workers,
     t->lost = false;
 }
 
-/* --- selection and order of rows --- */
-
-static bool
-fits(const struct top *t, const json_t *row)
-{
-    static const char *const where[] = { "name", "job", "owner", "state" };
-
-    for (size_t i = 0; i < sizeof where / sizeof where[0]; i++)
-        if (strcasestr(row_text(row, where[i]), t->filter))
-            return true;
-    return false;
-}
-
-struct order {
-    const struct top *t;
-    enum top_pane pane;
-};
-
-static int
-by_column(const void *a, const void *b, void *arg)
-{
-    const struct order *o = arg;
-    const struct top_list *l = &o->t->list[o->pane];
-    const json_t *p = *(const json_t *const *)a, *q = *(const json_t *const *)b;
-    int c = top_compare(o->t, o->pane, l->sort, p, q);
-
-    if (c == 0) /* by name, so that rows stay in place */
-        return strcmp(row_text(p, name_key[o->pane]),
-                      row_text(q, name_key[o->pane]));
-    return l->back ? -c : c;
-}
-
-const json_t **
-top_rows(const struct top *t, enum top_pane pane, size_t *n)
-{
-    json_t *rows = t->list[pane].rows, *row;
-    const json_t **v = calloc(json_array_size(rows) + 1, sizeof *v);
-    bool sorted = t->list[pane].sort >= 0;
-    struct order o = { t, pane };
-    size_t i;
-
-    rows = pane == TOP_JOBS && !sorted ? lists_served(rows) : json_incref(rows);
-
-    *n = 0;
-    json_array_foreach(rows, i, row)
-    {
-        if (v && fits(t, row))
-            v[(*n)++] = row;
-    }
-    json_decref(rows); /* the list still has references */
-    if (v && sorted)
-        qsort_r(v, *n, sizeof *v, by_column, &o);
-    return v;
-}
-
-/* The index of the row of that name; 0 if there is none. */
-static size_t
-place_of(const json_t **v, size_t n, enum top_pane pane, const char *name)
-{
-    for (size_t i = 0; i < n; i++)
-        if (strcmp(row_text(v[i], name_key[pane]), name) == 0)
-            return i;
-    return 0;
-}
-
-static const json_t *
-chosen_row(const struct top *t, enum top_pane pane)
-{
-    size_t n;
-    const json_t **v = top_rows(t, pane, &n), *row = NULL;
-
-    if (v && n > 0)
-        row = v[place_of(v, n, pane, t->list[pane].chosen)];
-    free(v);
-    return row;
-}
-
-const char *
-top_chosen(const struct top *t, enum top_pane pane)
-{
-    return row_text(chosen_row(t, pane), name_key[pane]);
-}
+/* --- keys --- */
 
 static void
 move(struct top *t, int by)
@@ -199,15 +117,12 @@ move(struct top *t, int by)
     long at;
 
     if (v && n > 0) {
-        at = (long)place_of(v, n, t->pane, l->chosen) + by;
+        at = (long)top_place(v, n, t->pane, l->chosen) + by;
         at = at < 0 ? 0 : at >= (long)n ? (long)n - 1 : at;
-        snprintf(l->chosen, sizeof l->chosen, "%s",
-                 row_text(v[at], name_key[t->pane]));
+        snprintf(l->chosen, sizeof l->chosen, "%s", top_name(t->pane, v[at]));
     }
     free(v);
 }
-
-/* --- keys --- */
 
 static enum top_wish
 edit_filter(struct top *t, int key)
@@ -252,9 +167,8 @@ ask(struct top *t, enum top_wish what, const char *verb, const char *name)
 static enum top_wish
 ask_about_job(struct top *t, int key)
 {
-    const json_t *row = t->job[0]
-                            ? find_row(t->list[TOP_JOBS].rows, "job", t->job)
-                            : chosen_row(t, TOP_JOBS);
+    const json_t *row =
+        t->job[0] ? find_row(t, TOP_JOBS, t->job) : top_chosen(t, TOP_JOBS);
     bool paused = strcmp(row_text(row, "state"), "paused") == 0;
 
     if (key == 'c')
@@ -266,7 +180,7 @@ ask_about_job(struct top *t, int key)
 static enum top_wish
 ask_about_worker(struct top *t)
 {
-    const json_t *row = chosen_row(t, TOP_WORKERS);
+    const json_t *row = top_chosen(t, TOP_WORKERS);
     const char *state = row_text(row, "state");
     bool drained =
         strcmp(state, "drained") == 0 || strcmp(state, "draining") == 0;
@@ -281,7 +195,8 @@ look_into(struct top *t)
 {
     if (t->pane != TOP_JOBS || t->job[0])
         return TOP_NOTHING;
-    snprintf(t->job, sizeof t->job, "%s", top_chosen(t, TOP_JOBS));
+    snprintf(t->job, sizeof t->job, "%s",
+             top_name(TOP_JOBS, top_chosen(t, TOP_JOBS)));
     json_decref(t->stats); /* they are another job's */
     t->stats = NULL;
     t->scroll = 0;

@@ -76,18 +76,6 @@ void top_take(struct top *t, double now_s, json_t *status, json_t *workers,
 /* Handle a key: a character, or one of those above. */
 enum top_wish top_key(struct top *t, int key);
 
-/* The name of the chosen row of a list; "": the list is empty. */
-const char *top_chosen(const struct top *t, enum top_pane pane);
-
-/* The rows that the filter selects, in their order: *n of them, borrowed, in an
- * array to be freed.  NULL: memory is out. */
-const json_t **top_rows(const struct top *t, enum top_pane pane, size_t *n);
-
-/* Compare two rows by a column of top_lines.c. */
-int top_compare(const struct top *t, enum top_pane pane, int column,
-                const json_t *a, const json_t *b);
-int top_ncolumns(enum top_pane pane);
-
 enum top_look { TOP_PLAIN, TOP_TITLE, TOP_HEAD, TOP_CHOSEN, TOP_WARNING };
 
 /* Puts a line of the screen; text has no control characters and fits the width.

@@ -6,7 +6,9 @@
 #include "config.h"
 
 #include "ctl/top.h"
+
 #include "ctl/row.h"
+#include "ctl/top_rows.h"
 
 #include "base/text.h"
 #include "common/figure.h"
@@ -19,117 +21,7 @@
 
 enum { WIDEST = 500, GAP = 2, CELL = 200, GANTT_LEFT = 46 };
 
-enum kind {
-    TEXT,
-    ID,
-    COUNT,
-    MANY, /* such as 1.2 M */
-    LOAD,
-    OF, /* number, and that of all workers */
-    RATE,
-    SHARE,
-    SMALL,
-    BYTES,
-    SPAN,
-    LEFT,
-    PASS
-};
-
-struct column {
-    const char *title, *key;
-    enum kind kind;
-    int width;
-    int rank;
-    bool wide; /* gets the width that is left */
-};
-
-static const struct column tables[TOP_NPANE][12] = {
-    { { "WORKER", "name", TEXT, 10, 0, true },
-      { "STATE", "state", TEXT, 8, 0, false },
-      { "LOAD", "load", LOAD, 4, 3, false },
-      { "THREADS", "threads", COUNT, 7, 4, false },
-      { "UNITS", "units", COUNT, 5, 2, false },
-      { "RAYS/S", "", RATE, 7, 1, false },
-      { "REDUNDANT", "redundant", MANY, 9, 6, false },
-      { "MEMORY", "memory", BYTES, 8, 5, false },
-      { "CACHE", "cache", MANY, 6, 7, false },
-      { "FOR", "since_s", SPAN, 8, 8, false },
-      { "ADDRESS", "address", TEXT, 21, 9, false } },
-    { { "JOB", "job", ID, 8, 0, false },
-      { "NAME", "name", TEXT, 10, 3, true },
-      { "STATE", "state", TEXT, 9, 0, false },
-      { "DONE", "done", SHARE, 5, 0, false },
-      { "LEFT", "", LEFT, 8, 1, false },
-      { "RAYS/S", "", RATE, 7, 2, false },
-      { "WORKERS", "workers", OF, 7, 4, false },
-      { "ERROR", "error", SMALL, 6, 5, false },
-      { "OWNER", "owner", TEXT, 8, 6, false },
-      { "PASS", "", PASS, 5, 7, false },
-      { "REDUNDANT", "ambient_redundant", MANY, 9, 8, false },
-      { "PRIORITY", "priority", COUNT, 8, 9, false } },
-};
-
-static const char *const key_of[TOP_NPANE] = { "name", "job" };
-
-int
-top_ncolumns(enum top_pane pane)
-{
-    int n = 0;
-
-    while (n < 12 && tables[pane][n].title)
-        n++;
-    return n;
-}
-
 /* --- cells --- */
-
-/* Seconds until the job is done, by the time that it took so far; negative: not
- * known. */
-static double
-left_of(const json_t *row)
-{
-    double done = row_number(row, "done"), s = row_number(row, "elapsed_s");
-
-    if (strcmp(row_text(row, "state"), "running") != 0 || done < .01)
-        return -1;
-    return s * (1 - done) / done;
-}
-
-/* The number that a column sorts by; -1: it has none. */
-static double
-value_of(const struct top *t, enum top_pane pane, const struct column *c,
-         const json_t *row)
-{
-    const json_t *x = json_object_get(row, c->key);
-
-    switch (c->kind) {
-    case RATE:
-        x = json_object_get(t->list[pane].rates, row_text(row, key_of[pane]));
-        break;
-    case LEFT:
-        return left_of(row);
-    case PASS:
-        x = json_object_get(row, "pass");
-        break;
-    default:
-        break;
-    }
-    return json_is_number(x) ? json_number_value(x) : -1;
-}
-
-int
-top_compare(const struct top *t, enum top_pane pane, int column,
-            const json_t *a, const json_t *b)
-{
-    const struct column *c = &tables[pane][column];
-    double x, y;
-
-    if (c->kind == TEXT || c->kind == ID)
-        return strcmp(row_text(a, c->key), row_text(b, c->key));
-    x = value_of(t, pane, c, a);
-    y = value_of(t, pane, c, b);
-    return x > y ? -1 : x < y; /* the largest first */
-}
 
 static const char *const thousands[] = { "", " k", " M", " G", " T" };
 static const char *const binary[] = { " B", " KiB", " MiB", " GiB", " TiB" };
@@ -163,32 +55,32 @@ span(char *text, double s)
 }
 
 static void
-cell(const struct top *t, enum top_pane pane, const struct column *c,
+cell(const struct top *t, enum top_pane pane, const struct top_column *c,
      const json_t *row, char text[CELL])
 {
-    double x = value_of(t, pane, c, row);
+    double x = top_value(t, pane, c, row);
 
     text[0] = '\0';
-    if (c->kind == TEXT || c->kind == ID)
-        rad_text_print(text, CELL, "%.*s", c->kind == ID ? 8 : CELL - 1,
+    if (c->kind == TOP_TEXT || c->kind == TOP_ID)
+        rad_text_print(text, CELL, "%.*s", c->kind == TOP_ID ? 8 : CELL - 1,
                        row_text(row, c->key));
-    else if (c->kind == COUNT && json_object_get(row, c->key))
+    else if (c->kind == TOP_COUNT && json_object_get(row, c->key))
         snprintf(text, CELL, "%.0f", row_number(row, c->key));
-    else if (c->kind == LOAD && x >= 0)
+    else if (c->kind == TOP_LOAD && x >= 0)
         snprintf(text, CELL, "%.*f", x < 99.5 ? 1 : 0, x);
-    else if (c->kind == OF && x >= 0)
+    else if (c->kind == TOP_OF && x >= 0)
         snprintf(text, CELL, "%.0f/%.0f", x, row_number(t->status, "workers"));
-    else if (c->kind == PASS && x > 0)
+    else if (c->kind == TOP_PASS && x > 0)
         snprintf(text, CELL, "%.0f/%.0f", x, row_number(row, "passes"));
-    else if ((c->kind == RATE || c->kind == MANY) && x >= 0)
+    else if ((c->kind == TOP_RATE || c->kind == TOP_MANY) && x >= 0)
         scaled(text, x, 1000, thousands);
-    else if (c->kind == BYTES && x > 0)
+    else if (c->kind == TOP_BYTES && x > 0)
         scaled(text, x, 1024, binary);
-    else if (c->kind == SHARE && x >= 0)
+    else if (c->kind == TOP_SHARE && x >= 0)
         snprintf(text, CELL, "%.0f %%", floor(100 * x));
-    else if (c->kind == SMALL && x > 0)
+    else if (c->kind == TOP_SMALL && x > 0)
         snprintf(text, CELL, "%.1f %%", 100 * x);
-    else if ((c->kind == SPAN || c->kind == LEFT) && x >= 0)
+    else if ((c->kind == TOP_SPAN || c->kind == TOP_LEFT) && x >= 0)
         span(text, x);
 }
 
@@ -230,14 +122,15 @@ put_gap(struct line *l)
 static int
 fit_ranks(enum top_pane pane, int width, int *extra)
 {
+    const struct top_column *c = top_columns(pane);
     int n = top_ncolumns(pane);
 
     for (int rank = 9; rank >= 0; rank--) {
         int need = -GAP;
 
         for (int i = 0; i < n; i++)
-            if (tables[pane][i].rank <= rank)
-                need += tables[pane][i].width + GAP;
+            if (c[i].rank <= rank)
+                need += c[i].width + GAP;
         *extra = width - need;
         if (need <= width)
             return rank;
@@ -256,7 +149,7 @@ list_line(const struct top *t, enum top_pane pane, const json_t *row, int width,
 
     *l = (struct line){ .len = 0 };
     for (int i = 0; i < top_ncolumns(pane); i++) {
-        const struct column *c = &tables[pane][i];
+        const struct top_column *c = &top_columns(pane)[i];
         char text[CELL];
 
         if (c->rank > rank)
@@ -270,7 +163,7 @@ list_line(const struct top *t, enum top_pane pane, const json_t *row, int width,
                                      : "v");
         put_gap(l);
         put_cell(l, text, (size_t)(c->width + (c->wide ? extra : 0)),
-                 c->kind != TEXT && c->kind != ID);
+                 c->kind != TOP_TEXT && c->kind != TOP_ID);
     }
     l->text[rad_text_fit(l->text, (size_t)width)] = '\0';
 }
@@ -351,7 +244,7 @@ static void
 draw_list(struct screen *s, enum top_pane pane, const json_t **v, size_t n,
           int room)
 {
-    const char *chosen = top_chosen(s->t, pane);
+    const char *chosen = top_name(pane, top_chosen(s->t, pane));
     struct line l;
     long first, at = 0;
 
@@ -360,7 +253,7 @@ draw_list(struct screen *s, enum top_pane pane, const json_t **v, size_t n,
     list_line(s->t, pane, NULL, s->columns, &l);
     put_text(s, s->at++, TOP_HEAD, l.text);
     for (size_t i = 0; i < n; i++)
-        if (strcmp(row_text(v[i], key_of[pane]), chosen) == 0)
+        if (strcmp(top_name(pane, v[i]), chosen) == 0)
             at = (long)i;
     first = at - (room - 1) / 2;
     if (first > (long)n - (room - 1))
@@ -524,8 +417,8 @@ draw_progress(struct screen *s, const json_t *row)
     const json_t *totals = json_object_get(s->t->stats, "totals");
     char left[CELL] = "", error[CELL] = "", pass[CELL] = "";
 
-    if (left_of(row) >= 0)
-        span(left, left_of(row));
+    if (top_left_s(row) >= 0)
+        span(left, top_left_s(row));
     if (row_number(row, "error") > 0)
         snprintf(error, sizeof error, ", error about %.1f %%",
                  100 * row_number(row, "error"));

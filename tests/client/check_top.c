@@ -1,7 +1,7 @@
 /* check_top.c - what radctl top shows, and what keys do, without a terminal */
 #include "config.h"
 
-#include "ctl/top.h"
+#include "ctl/top_rows.h"
 #include "base/text.h"
 #include "tests/unit.h"
 
@@ -192,7 +192,7 @@ TEST(keys_sort_and_filter)
     p = draw(&t, 120, 24);
     ck_assert_int_ge(line_with(p, "stairs"), 0);
     ck_assert_int_lt(line_with(p, "room"), 0);
-    ck_assert_str_eq(top_chosen(&t, TOP_JOBS),
+    ck_assert_str_eq(top_name(TOP_JOBS, top_chosen(&t, TOP_JOBS)),
                      "cc000000000000000000000000000000");
     ck_assert_int_eq(top_key(&t, TOP_KEY_BACK), TOP_NOTHING);
     ck_assert_int_ge(line_with(draw(&t, 120, 24), "room"), 0);
@@ -340,6 +340,7 @@ TEST(many_rows_scroll_with_the_chosen_one)
         top_key(&t, TOP_KEY_DOWN);
     }
     top_key(&t, TOP_KEY_DOWN);
-    ck_assert_str_eq(top_chosen(&t, TOP_WORKERS), "ws499");
+    ck_assert_str_eq(top_name(TOP_WORKERS, top_chosen(&t, TOP_WORKERS)),
+                     "ws499");
     top_release(&t);
 }
