@@ -19,8 +19,9 @@ typedef bool recover_row_fn(void *arg, const uint8_t job[MSG_JOB],
                             uint32_t frame, uint32_t y, uint8_t *pixels);
 
 /* Take up a job, before any event; call it for the jobs in the order in which
- * the store kept them.  All that *s points at is copied.  RAD_EDATA: the kept
- * units, frames and base lines do not fit together; RAD_ENOMEM. */
+ * the store kept them.  All that *s points at is copied.  has_file() and
+ * random() of the environment are not called.  RAD_EDATA: the kept units,
+ * frames and base lines do not fit together; RAD_ENOMEM. */
 int recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
                 recover_row_fn *row, void *arg, struct rad_error *err);
 

@@ -71,21 +71,6 @@ check_files(struct look *l, const struct msg_spec *spec, struct rad_error *err)
 }
 
 static bool
-no_file(void *arg, const uint8_t hash[MSG_HASH])
-{
-    (void)arg;
-    (void)hash;
-    return false;
-}
-
-static void
-no_random(void *arg, void *buf, size_t n)
-{
-    (void)arg;
-    memset(buf, 0, n);
-}
-
-static bool
 read_row(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, uint32_t y,
          uint8_t *pixels)
 {
@@ -120,9 +105,7 @@ try_recovery(struct look *l, const struct saved_job *saved,
 {
     struct saved_unit *units = calloc(saved->nunits + 1, sizeof *units);
     struct saved_job s = *saved;
-    struct coord_env env = { .has_file = no_file,
-                             .random = no_random,
-                             .program = "check" };
+    struct coord_env env = { .program = "check" };
     struct coord *c = coord_new(&env);
 
     s.units = units;

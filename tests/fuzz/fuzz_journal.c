@@ -17,21 +17,6 @@
 #include <unistd.h>
 
 static bool
-no_file(void *arg, const uint8_t hash[MSG_HASH])
-{
-    (void)arg;
-    (void)hash;
-    return false;
-}
-
-static void
-no_random(void *arg, void *buf, size_t n)
-{
-    (void)arg;
-    memset(buf, 0, n);
-}
-
-static bool
 no_row(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, uint32_t y,
        uint8_t *pixels)
 {
@@ -59,10 +44,7 @@ take(void *arg, const struct saved_job *s, struct rad_error *err)
 int
 LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct coord_env env = { .has_file = no_file,
-                             .random = no_random,
-                             .program = "fuzz",
-                             .keeps = true };
+    struct coord_env env = { .program = "fuzz", .keeps = true };
     struct rad_error err = { 0 };
     struct coord *c = coord_new(&env);
     struct journal *j = NULL;
