@@ -6,6 +6,7 @@
 
 #include "show/expose.h"
 #include "base/output.h"
+#include "image/edge.h"
 #include "show/picfile.h"
 #include "link/rescue.h"
 #include "common/tell.h"
@@ -133,8 +134,8 @@ rescue(struct program *p, uint32_t frame, const uint8_t *picture,
     const char *suffix = submit_options_spectra(&p->o) ? ".hsr" : ".hdr";
 
     if (picture)
-        p->rescue.picture =
-            rescue_write(p->job.id, frame, suffix, picture, picture_len);
+        p->rescue.picture = rescue_write(p->job.id, frame, suffix, picture,
+                                         rad_edge_begin(picture, picture_len));
     if (depth)
         p->rescue.depth =
             rescue_write(p->job.id, frame, ".zbf", depth, depth_len);

@@ -118,7 +118,8 @@ enum msg_order {
 #define MSG_JOB_SCENE        (1u << 9) /* the field `scene` names its scene */
 #define MSG_JOB_REUSE        (1u << 10) /* it begins with another job's cache */
 #define MSG_JOB_POINTS       (1u << 11) /* of sensor points, in a file */
-#define MSG_JOB_FLAGS        4095u      /* all of them */
+#define MSG_JOB_EDGES        (1u << 12) /* pictures are wanted with edges */
+#define MSG_JOB_FLAGS        8191u      /* all of them */
 
 /* What FETCH asks for. */
 enum msg_what {

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "job/costs.h"
 #include "show/origin.h"
+#include "show/picfile.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -218,6 +219,23 @@ jobspec_check_windows(const struct submit_options *o,
     return 0;
 }
 
+/* May a picture of the job be shown on a screen, as colours? */
+static bool
+is_shown(const struct submit_options *o)
+{
+    return o->preview || o->detach ||
+           picfile_is_png(o->output, (enum picfile_format)o->format);
+}
+
+static uint32_t
+edge_flags(const struct submit_options *o)
+{
+    return o->oversample > 1 && is_shown(o) && !o->points.file &&
+                   !submit_options_spectra(o) && !o->false_colour
+               ? MSG_JOB_EDGES
+               : 0;
+}
+
 void
 jobspec_fill(struct jobspec *j, const struct submit_options *o,
              const struct frames *frames, const struct compiled *scene,
@@ -254,7 +272,7 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
                ambient_flags(o) | (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
                (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
-               (s->views ? MSG_JOB_VIEWS : 0);
+               (s->views ? MSG_JOB_VIEWS : 0) | edge_flags(o);
     s->partition = choose_partition(o);
     /* both enums have the same order */
     s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;

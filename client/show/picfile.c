@@ -114,7 +114,7 @@ picfile_write(const char *path, enum picfile_format format, const uint8_t *hdr,
 {
     if (picfile_is_png(path, format))
         return write_png(path, hdr, n, durable, whole, show, err);
-    return rad_output_write(path, hdr, n, durable, err);
+    return rad_output_write(path, hdr, rad_edge_begin(hdr, n), durable, err);
 }
 
 struct preview {

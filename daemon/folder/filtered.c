@@ -39,6 +39,7 @@ struct workplace {
     uint8_t *rgbe;       /* a row of samples */
     void *work;          /* for rows_read_rgbe() */
     struct rad_rgb *row; /* of pixels */
+    struct rad_edge *edge;
     uint8_t *code;
 };
 
@@ -49,6 +50,7 @@ release(struct workplace *p)
     free(p->rgbe);
     free(p->work);
     free(p->row);
+    free(p->edge);
     free(p->code);
 }
 
@@ -62,9 +64,10 @@ prepare(struct workplace *p, const struct rad_filter_shape *s, int width,
         .rgbe = malloc(4 * samples),
         .work = malloc(ROWS_WORK_BYTES(samples)),
         .row = malloc((size_t)width * sizeof *p->row),
-        .code = malloc(RAD_HDR_ROW_BYTES(width)),
+        .edge = malloc((size_t)width * sizeof *p->edge),
+        .code = malloc(RAD_HDR_ROW_BYTES(width) + RAD_EDGE_ROW_BYTES(width)),
     };
-    if (!p->rgbe || !p->work || !p->row || !p->code)
+    if (!p->rgbe || !p->work || !p->row || !p->edge || !p->code)
         return rad_fail_memory(err);
     return rad_filter_new(&p->filter, s, err);
 }
@@ -108,6 +111,36 @@ filter_rows(struct rows *r, struct workplace *p, int width,
     return rc;
 }
 
+/* Write what meets within the pixels.  The rows are filtered once more, since
+ * all of a picture's pixels come before its edges. */
+static int
+filter_edges(struct rows *r, const struct rad_filter_shape *s,
+             struct workplace *p, const struct rad_sink *sink,
+             struct rad_error *err)
+{
+    uint64_t bytes = 0;
+    int rc, n;
+
+    rad_filter_free(p->filter);
+    rc = rad_filter_new_edges(&p->filter, s, err);
+    for (int y = 0; y < r->height && rc == 0; y++) {
+        rc = rows_read_rgbe(r, y, p->rgbe, p->work, err);
+        if (rc == 0)
+            rad_filter_push(p->filter, p->rgbe);
+        while (rc == 0 &&
+               (n = rad_filter_pull_edges(p->filter, p->edge)) >= 0) {
+            size_t row = rad_edge_encode_row(p->edge, n, p->code);
+
+            bytes += row;
+            rc = sink->write(sink->arg, p->code, row, err);
+        }
+    }
+    if (rc < 0)
+        return rc;
+    rad_edge_encode_end(bytes, p->code);
+    return sink->write(sink->arg, p->code, RAD_EDGE_END_BYTES, err);
+}
+
 int
 filtered_picture(struct rows *r, const struct rad_filter_shape *s,
                  const struct rad_hdr_info *info, const struct rows_output *out,
@@ -126,6 +159,8 @@ filtered_picture(struct rows *r, const struct rad_filter_shape *s,
         if (rc == 0)
             rc = pick ? pick_rows(r, s, &p, info, &sink, err)
                       : filter_rows(r, &p, info->width, &sink, err);
+        if (rc == 0 && out->edges)
+            rc = filter_edges(r, s, &p, &sink, err);
         rc = rows_close_picture(r, &w, rc, out->durable, err);
     }
     release(&p);

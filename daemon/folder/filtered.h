@@ -18,7 +18,8 @@ int filtered_shape(struct rad_filter_shape *s, int width, int height,
                    int oversample, double clamp, const char *view,
                    struct rad_error *err);
 
-/* Write the picture, of info's size, as rows_picture() does.  A preview of more
+/* Write the picture, of info's size, as rows_picture() does, and with
+ * out->edges what meets within its pixels (image/edge.h).  A preview of more
  * than FILTERED_PREVIEW samples would keep the store's thread for more than
  * half a second; there each pixel is the sample nearest to its middle. */
 #define FILTERED_PREVIEW (1 << 25)

@@ -143,6 +143,7 @@ folder_new_job(const struct folder *f, const struct msg_spec *spec,
         j->points = spec->flags & MSG_JOB_POINTS;
         j->oversample = spec->oversample > 1 ? spec->oversample : 1;
         j->clamp = spec->clamp;
+        j->edges = spec->flags & MSG_JOB_EDGES;
         j->kind = kind_of(f, spec);
         j->params = strdup(spec->params);
         j->origin = strdup(spec->origin ? spec->origin : "");

@@ -82,6 +82,7 @@ folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
         return rc;
     folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE), path);
     out.mark = marks ? &marks->picture : NULL;
+    out.edges = j->edges;
     return write_rgbe(j, r, &out, err);
 }
 

@@ -147,6 +147,7 @@ int rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
 struct rows_output {
     const char *path;
     bool preview;      /* a user watches the job */
+    bool edges;        /* of filtered samples: what meets within pixels, too */
     bool durable;      /* the file lasts after the next rows_sync() */
     struct mark *mark; /* gets the file's mark, or is NULL */
 };

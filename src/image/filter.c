@@ -39,6 +39,9 @@ struct rad_filter {
     struct rad_rgb *raw; /* with clamp the last three rows, as they came */
     float *kernel;       /* weights of the pixels of a row */
     bool even;           /* all pixels of a row have the same weights */
+    /* for edges: luminances of the rows of the window, then the least and the
+     * largest of each column in it */
+    float *lum;
 };
 
 int
@@ -181,6 +184,23 @@ plane(const struct rad_filter *f, int y, int colour, int phase)
                (size_t)f->room;
 }
 
+/* The column of a sample that is in a pixel's window; -1: beyond the picture.
+ */
+static int
+column_of(const struct rad_filter *f, int x)
+{
+    if (x >= 0 && x < f->s.width)
+        return x;
+    x += x < 0 ? f->s.width : -f->s.width;
+    return f->s.around && x >= 0 && x < f->s.width ? x : -1;
+}
+
+static float *
+luminances(const struct rad_filter *f, int y)
+{
+    return f->lum + (size_t)(y % (2 * f->yrad + 1)) * (size_t)f->s.width;
+}
+
 static struct rad_rgb
 sample(const struct rad_filter *f, const uint8_t *rgbe)
 {
@@ -203,6 +223,8 @@ keep_row(struct rad_filter *f, int y, const struct rad_rgb *row)
             *b++ = row[x].b;
         }
     }
+    for (int x = 0; f->lum && x < f->s.width; x++)
+        luminances(f, y)[x] = rad_rgb_lum(row[x]);
 }
 
 /* --- fireflies --- */
@@ -268,14 +290,11 @@ pixel_alone(const struct rad_filter *f, int column, int row, int y0, int y1)
         double dy2 = distance2(f->yratio, y, row);
 
         for (int i = 0; i < taps(f); i++) {
-            int x = x0 + i;
+            int x = column_of(f, x0 + i);
             float w;
 
-            if (x < 0 || x >= f->s.width) {
-                x += x < 0 ? f->s.width : -f->s.width;
-                if (!f->s.around || x < 0 || x >= f->s.width)
-                    continue;
-            }
+            if (x < 0)
+                continue;
             w = weight(f, dx2[i] + dy2);
             all += w;
             sum.r += w * plane(f, y, 0, x % n)[x / n];
@@ -348,22 +367,33 @@ rad_filter_push(struct rad_filter *f, const uint8_t *rgbe)
         clamp_row(f, f->clamped++, to);
 }
 
+/* The next row of pixels, and the sample rows [*y0, *y1) of its window; false:
+ * they are not there yet, or there is no next row. */
+static bool
+next_row(struct rad_filter *f, int *row, int *y0, int *y1)
+{
+    int middle = (int)((f->pulled + .5) * f->s.height / f->rows);
+
+    if (f->pulled == f->rows)
+        return false;
+    *y0 = middle > f->yrad ? middle - f->yrad : 0;
+    *y1 = middle + f->yrad + 1;
+    *y1 = *y1 < f->s.height ? *y1 : f->s.height;
+    if (f->clamped < *y1)
+        return false;
+    *row = f->pulled++;
+    return true;
+}
+
 bool
 rad_filter_pull(struct rad_filter *f, struct rad_rgb *out)
 {
-    int row = f->pulled, middle, y0, y1, c = 0;
+    int row, y0, y1, c = 0;
     double all = 1; /* sum of the kernel, if it is used */
     bool even;
 
-    if (row == f->rows)
+    if (!next_row(f, &row, &y0, &y1))
         return false;
-    middle = (int)((row + .5) * f->s.height / f->rows);
-    y0 = middle > f->yrad ? middle - f->yrad : 0;
-    y1 = middle + f->yrad + 1;
-    y1 = y1 < f->s.height ? y1 : f->s.height;
-    if (f->clamped < y1)
-        return false;
-    f->pulled++;
     even = f->even && fill_kernel(f, row, y0, y1 - y0, &all);
     while (c < f->columns)
         if (even && is_inside(f, c)) {
@@ -376,6 +406,121 @@ rad_filter_pull(struct rad_filter *f, struct rad_rgb *out)
     return true;
 }
 
+/* --- edges --- */
+
+/* The luminances of samples. */
+struct range {
+    float least, most;
+};
+
+/* Fill in the least and the largest luminance of each column in sample rows
+ * [y0, y1). */
+static void
+fill_columns(struct rad_filter *f, int y0, int y1)
+{
+    size_t width = (size_t)f->s.width;
+    float *least = f->lum + (2 * (size_t)f->yrad + 1) * width;
+    float *most = least + width;
+
+    memcpy(least, luminances(f, y0), width * sizeof *least);
+    memcpy(most, least, width * sizeof *most);
+    for (int y = y0 + 1; y < y1; y++) {
+        const float *lum = luminances(f, y);
+
+        for (size_t x = 0; x < width; x++) {
+            least[x] = lum[x] < least[x] ? lum[x] : least[x];
+            most[x] = lum[x] > most[x] ? lum[x] : most[x];
+        }
+    }
+}
+
+static struct range
+range_of(const struct rad_filter *f, int column)
+{
+    int x0 = column_middle(f, column) - f->xrad;
+    const float *least =
+        f->lum + (2 * (size_t)f->yrad + 1) * (size_t)f->s.width;
+    const float *most = least + f->s.width;
+    struct range r = { INFINITY, 0 };
+
+    for (int i = 0; i < taps(f); i++) {
+        int x = column_of(f, x0 + i);
+
+        if (x < 0)
+            continue;
+        r.least = least[x] < r.least ? least[x] : r.least;
+        r.most = most[x] > r.most ? most[x] : r.most;
+    }
+    return r;
+}
+
+/* Tell the samples of a pixel apart by a luminance, in *edge; false: all count
+ * for one side. */
+static bool
+tell_apart(const struct rad_filter *f, int row, int y0, int y1, float lum,
+           struct rad_edge *edge)
+{
+    int x0 = column_middle(f, edge->x) - f->xrad;
+    const double *dx2 = dx2_of(f, edge->x);
+    float sum[2][4] = { { 0 } }; /* of colours and weights */
+
+    for (int y = y0; y < y1; y++) {
+        double dy2 = distance2(f->yratio, y, row);
+        const float *r = plane(f, y, 0, 0), *g = plane(f, y, 1, 0);
+        const float *b = plane(f, y, 2, 0), *l = luminances(f, y);
+
+        for (int i = 0; i < taps(f); i++) {
+            int x = column_of(f, x0 + i);
+            float w, *to;
+
+            if (x < 0)
+                continue;
+            to = sum[l[x] > lum];
+            w = weight(f, dx2[i] + dy2);
+            to[0] += w * r[x];
+            to[1] += w * g[x];
+            to[2] += w * b[x];
+            to[3] += w;
+        }
+    }
+    if (!(sum[0][3] > 0 && sum[1][3] > 0))
+        return false;
+    edge->share = sum[1][3] / (sum[0][3] + sum[1][3]);
+    edge->dark =
+        rad_rgb_scale(rad_rgb(sum[0][0], sum[0][1], sum[0][2]), 1 / sum[0][3]);
+    edge->bright =
+        rad_rgb_scale(rad_rgb(sum[1][0], sum[1][1], sum[1][2]), 1 / sum[1][3]);
+    return true;
+}
+
+/* The luminance that parts the samples of an edge: the middle of their range by
+ * ratio, of which what is darker than a thousandth of the brightest is no part.
+ */
+static float
+parting(struct range r)
+{
+    return r.most * sqrtf(fmaxf(r.least / r.most, 1e-3f));
+}
+
+int
+rad_filter_pull_edges(struct rad_filter *f, struct rad_edge *edge)
+{
+    int row, y0, y1, n = 0;
+
+    if (!next_row(f, &row, &y0, &y1))
+        return -1;
+    fill_columns(f, y0, y1);
+    for (int c = 0; c < f->columns; c++) {
+        struct range r = range_of(f, c);
+
+        edge[n].x = c;
+        if (r.most > RAD_EDGE_CONTRAST * r.least &&
+            tell_apart(f, row, y0, y1, parting(r), &edge[n]))
+            n++;
+    }
+    return n;
+}
+
 void
 rad_filter_free(struct rad_filter *f)
 {
@@ -385,6 +530,7 @@ rad_filter_free(struct rad_filter *f)
     free(f->window);
     free(f->raw);
     free(f->kernel);
+    free(f->lum);
     free(f);
 }
 
@@ -421,4 +567,24 @@ rad_filter_new(struct rad_filter **to, const struct rad_filter_shape *s,
     fill_tables(f);
     fill_distances(f);
     return 0;
+}
+
+int
+rad_filter_new_edges(struct rad_filter **to, const struct rad_filter_shape *s,
+                     struct rad_error *err)
+{
+    int rc = rad_filter_new(to, s, err);
+    struct rad_filter *f = *to;
+
+    if (rc < 0)
+        return rc;
+    f->phases = 1; /* samples are looked at where they are */
+    f->room = s->width;
+    f->lum =
+        calloc((2 * (size_t)f->yrad + 3) * (size_t)s->width, sizeof *f->lum);
+    if (f->lum)
+        return 0;
+    rad_filter_free(f);
+    *to = NULL;
+    return rad_fail_memory(err);
 }

@@ -26,6 +26,7 @@
 #include "base/color.h"
 #include "base/error.h"
 #include "base/params.h"
+#include "image/edge.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -62,9 +63,13 @@ void rad_filter_options(const struct rad_params *p, int oversample,
                         double clamp, char text[RAD_FILTER_OPTIONS]);
 
 struct rad_filter;
-/* Make a filter; 0 or RAD_ENOMEM. */
+/* Make a filter for pixels, or for edges alone (image/edge.h); 0 or RAD_ENOMEM.
+ */
 int rad_filter_new(struct rad_filter **f, const struct rad_filter_shape *s,
                    struct rad_error *err);
+int rad_filter_new_edges(struct rad_filter **f,
+                         const struct rad_filter_shape *s,
+                         struct rad_error *err);
 void rad_filter_free(struct rad_filter *f);
 
 /* Push the next row of the large picture, four bytes a sample (image/hdr.h), at
@@ -74,5 +79,10 @@ void rad_filter_push(struct rad_filter *f, const uint8_t *rgbe);
 /* Pull the next row of the small picture; false: it needs further rows, or
  * there are no more. */
 bool rad_filter_pull(struct rad_filter *f, struct rad_rgb *row);
+
+/* Of a filter for edges: pull what meets within the pixels of the next row,
+ * which has as many at most.  Returns the number; -1: as rad_filter_pull()'s
+ * false. */
+int rad_filter_pull_edges(struct rad_filter *f, struct rad_edge *edge);
 
 #endif

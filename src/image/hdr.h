@@ -14,6 +14,7 @@
 #include "base/color.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "image/edge.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -78,13 +79,15 @@ struct rad_picture {
     bool irradiance;   /* by the options in its header, not radiance */
     bool other_primaries; /* a PRIMARIES line: L has primaries other than */
     double chroma[8];     /* Radiance's: x y of red, green, blue, white */
+    struct rad_edges edges; /* what meets within pixels, in the units of L */
 };
 void rad_picture_release(struct rad_picture *pic);
 
-/* Decode a picture.  Values are divided by EXPOSURE and COLORCORR.  More than
- * max_pixels are refused (RAD_EDATA); memory grows with the rows decoded, not
- * with the size that the file claims.  RAD_EDATA for a file that is no RGBE
- * picture, is damaged or ends early; *pic is empty then. */
+/* Decode a picture.  Values are divided by EXPOSURE and COLORCORR; edges of
+ * such pictures, and of other primaries, are left out.  More than max_pixels
+ * are refused (RAD_EDATA); memory grows with the rows decoded, not with the
+ * size that the file claims.  RAD_EDATA for a file that is no RGBE picture, is
+ * damaged or ends early; *pic is empty then. */
 int rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
                  struct rad_picture *pic, struct rad_error *err);
 

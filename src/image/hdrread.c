@@ -59,6 +59,7 @@ void
 rad_picture_release(struct rad_picture *pic)
 {
     free(pic->L);
+    rad_edges_release(&pic->edges);
     memset(pic, 0, sizeof *pic);
 }
 
@@ -502,6 +503,15 @@ arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
     return 0;
 }
 
+/* Are the pixels in the file as they are in memory? */
+static bool
+is_plain(const struct reader *in)
+{
+    return !in->xyz && !in->primaries && !in->xmajor && !in->yup &&
+           !in->xleft && in->divide[0] == 1 && in->divide[1] == 1 &&
+           in->divide[2] == 1;
+}
+
 int
 rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
              struct rad_picture *pic, struct rad_error *err)
@@ -515,6 +525,11 @@ rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
     if (rc == 0)
         rc = arrange(&in, rgbe, pic);
     free(rgbe);
+    if (rc == 0 && is_plain(&in))
+        rc = rad_edges_read(data, len, pic->width, pic->height, &pic->edges,
+                            err);
+    if (rc < 0)
+        rad_picture_release(pic);
     return rc;
 }
 

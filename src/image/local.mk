@@ -1,5 +1,7 @@
 # picture files and pixels
 librad_a_SOURCES += \
+	src/image/edge.c \
+	src/image/edge.h \
 	src/image/filter.c \
 	src/image/filter.h \
 	src/image/hdr.c \

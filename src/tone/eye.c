@@ -582,33 +582,51 @@ shown(const struct rad_human *h, struct rad_rgb L)
     return rad_rgb_scale(L, Ld * RAD_HUMAN_EFFICACY / Lw);
 }
 
+/* The foveal samples about the middle of column x of n; likewise rows. */
+static struct between
+among_samples(int x, int n, int samples)
+{
+    return between((x + .5) * ((double)samples / n) - .5, samples);
+}
+
+/* A colour between foveal samples as the light of a screen. */
+static struct rad_rgb
+seen(const struct rad_eye *e, const struct rad_human *h, struct between u,
+     struct between v, struct rad_rgb c)
+{
+    if (h->veil)
+        c = rad_rgb_add(rad_rgb_scale(c, 1 - VEIL),
+                        rad_rgb(blend(e->veil[0], e->nx, u, v),
+                                blend(e->veil[1], e->nx, u, v),
+                                blend(e->veil[2], e->nx, u, v)));
+    return shown(h, h->colour ? faded(c) : c);
+}
+
 void
 rad_eye_row(struct rad_eye *e, const struct rad_human *h, int y,
             struct rad_rgb *out)
 {
     int width = e->pic->width;
     const struct rad_rgb *L = e->pic->L + (size_t)y * (size_t)width;
-    double per_x = (double)e->nx / width,
-           per_y = (double)e->ny / e->pic->height;
-    struct between v = between((y + .5) * per_y - .5, e->ny);
+    struct between v = among_samples(y, e->pic->height, e->ny);
 
     for (int x = 0; x < width; x++) {
-        struct between u = between((x + .5) * per_x - .5, e->nx);
-        struct rad_rgb c = L[x];
+        struct between u = among_samples(x, width, e->nx);
 
-        if (e->partial && rad_rgb_black(c)) {
-            out[x] = c;
-            continue;
-        }
-        if (h->acuity)
-            c = blurred(e, x, y, blend(e->rate, e->nx, u, v));
-        if (h->veil)
-            c = rad_rgb_add(rad_rgb_scale(c, 1 - VEIL),
-                            rad_rgb(blend(e->veil[0], e->nx, u, v),
-                                    blend(e->veil[1], e->nx, u, v),
-                                    blend(e->veil[2], e->nx, u, v)));
-        if (h->colour)
-            c = faded(c);
-        out[x] = shown(h, c);
+        if (e->partial && rad_rgb_black(L[x]))
+            out[x] = L[x];
+        else if (h->acuity)
+            out[x] =
+                seen(e, h, u, v, blurred(e, x, y, blend(e->rate, e->nx, u, v)));
+        else
+            out[x] = seen(e, h, u, v, L[x]);
     }
+}
+
+struct rad_rgb
+rad_eye_colour(const struct rad_eye *e, const struct rad_human *h, int x, int y,
+               struct rad_rgb L)
+{
+    return seen(e, h, among_samples(x, e->pic->width, e->nx),
+                among_samples(y, e->pic->height, e->ny), L);
 }

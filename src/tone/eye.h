@@ -33,4 +33,9 @@ int rad_eye_open(struct rad_eye *e, const struct rad_human *h,
 void rad_eye_row(struct rad_eye *e, const struct rad_human *h, int y,
                  struct rad_rgb *out);
 
+/* Likewise a radiance within pixel (x, y), without what acuity loses. */
+struct rad_rgb rad_eye_colour(const struct rad_eye *e,
+                              const struct rad_human *h, int x, int y,
+                              struct rad_rgb L);
+
 #endif

@@ -236,6 +236,39 @@ rad_toner_release(struct rad_toner *t)
     memset(t, 0, sizeof *t);
 }
 
+/* A colour in row y as the light of a screen. */
+static struct rad_rgb
+shown(const struct rad_toner *t, int x, int y, struct rad_rgb L)
+{
+    switch (t->o.curve) {
+    case RAD_TONE_LINEAR:
+        return linear_pixel(&t->tone, L);
+    case RAD_TONE_HUMAN:
+        return linear_pixel(&t->tone,
+                            rad_eye_colour(t->eye, &t->tone.human, x, y, L));
+    default:
+        return photographic_pixel(&t->tone, L);
+    }
+}
+
+/* Where a pixel has an edge, the mean of what is shown of its two sides; but
+ * not to an eye that sees no detail of a pixel's size. */
+static void
+show_edges(const struct rad_toner *t, int y, struct rad_rgb *out)
+{
+    bool blurred = t->o.curve == RAD_TONE_HUMAN && t->tone.human.acuity;
+    int n = blurred ? 0 : rad_edges_count(&t->pic->edges, y);
+
+    for (int i = 0; i < n; i++) {
+        struct rad_edge e;
+
+        rad_edges_get(&t->pic->edges, y, i, &e);
+        out[e.x] =
+            rad_rgb_add(rad_rgb_scale(shown(t, e.x, y, e.bright), e.share),
+                        rad_rgb_scale(shown(t, e.x, y, e.dark), 1 - e.share));
+    }
+}
+
 void
 rad_toner_row(struct rad_toner *t, int y, struct rad_rgb *out)
 {
@@ -256,4 +289,5 @@ rad_toner_row(struct rad_toner *t, int y, struct rad_rgb *out)
         for (int x = 0; x < width; x++)
             out[x] = photographic_pixel(&t->tone, L[x]);
     }
+    show_edges(t, y, out);
 }

@@ -8,6 +8,9 @@
  *   linear        just a factor, which by default is pfilt(1)'s
  *   human         what an eye that is adapted to the scene sees; see human.h
  *
+ * What meets within a pixel (image/edge.h) is shown by itself, and the pixel is
+ * the mean of that.
+ *
  * All curves work on luminance: the three channels of a pixel get one factor.
  * If that makes a channel brighter than a screen can show, the pixel keeps its
  * hue, and loses some brightness and saturation: rad_tone_fit_gamut().

@@ -130,6 +130,28 @@ else
     echo "pfilt is not here: not compared with it"
 fi
 
+# --- on a screen ---
+
+# a lamp 1000 times as bright as white, which a slanted line cuts so that it is
+# before half of the picture: half of the screen's light is there
+cat >half.rad <<'EOF'
+void light lamp 0 0 3 1000 1000 1000
+lamp polygon half 0 0 12 -9 -9 0  9 -9 0  9 .3 0  -9 -.3 0
+EOF
+cut="-vtl -vp 0 0 1 -vd 0 0 -1 -vu 0 1 0 -vh 2 -vv 2 -x 60 -y 60 -ab 0 -ps 1"
+for n in 2 3; do
+    # shellcheck disable=SC2086
+    "$radsubmit" --local $cut --oversample=$n --tone=linear --exposure=1 \
+        -o half.png --preview=half-too.png half.rad 2>err ||
+        fail "$(cat err)"
+    for f in half half-too; do
+        "$top_builddir/tests/tools/shown" $f.png |
+            awk 'NR > 1 { sum += $1 } END { print sum / (NR - 1) }' >mean
+        awk '{ exit !($1 > .497 && $1 < .503) }' mean ||
+            fail "--oversample=$n, $f.png: half of it shows $(cat mean)"
+    done
+done
+
 # --- a view all around, animations, previews ---
 
 all="-vtc -vp 2 1.5 1.3 -vd 0 1 0 -vu 0 0 1 -vh 360 -vv 60 -x 60 -y 60"

@@ -26,6 +26,20 @@ look_at_row(const uint8_t *data, size_t size, int width)
         abort();
 }
 
+/* What meets within pixels lies in the picture. */
+static void
+look_at_edges(const struct rad_picture *pic)
+{
+    for (int y = 0; y < pic->height; y++)
+        for (int i = 0; i < rad_edges_count(&pic->edges, y); i++) {
+            struct rad_edge e;
+
+            rad_edges_get(&pic->edges, y, i, &e);
+            if (e.x < 0 || e.x >= pic->width || !(e.share >= 0) || e.share > 1)
+                abort();
+        }
+}
+
 int
 LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -40,7 +54,8 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     for (int width = 1; width < 40; width += 3)
         look_at_row(data, size, width);
-    rad_hdr_read(data, size, 1 << 20, &pic, &err);
+    if (rad_hdr_read(data, size, 1 << 20, &pic, &err) == 0)
+        look_at_edges(&pic);
     rad_picture_release(&pic);
     if (rad_hdr_read_coded(data, size, 1 << 20, &coded, NULL) < 0) {
         if (rad_hdr_stream_coded(&in, 1 << 20, false, &streamed, NULL) == 0)

@@ -1,5 +1,6 @@
 # tests of src/image and src/tone
 UNIT_TESTS += \
+	tests/src/image/check_edge \
 	tests/src/image/check_falsecolour \
 	tests/src/image/check_filter \
 	tests/src/image/check_hdr \
