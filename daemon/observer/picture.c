@@ -128,8 +128,8 @@ make_png(struct picture *pic, const struct rad_picture *whole, bool partial,
 /* --- public --- */
 
 static int
-make_both(struct picture *pic, const struct rad_coded_picture *c, bool partial,
-          struct rad_error *err)
+make_both(struct picture *pic, const struct rad_coded_picture *c,
+          const uint8_t *hdr, size_t len, bool partial, struct rad_error *err)
 {
     struct rad_picture whole = { .pixaspect = c->pixaspect };
     int rc;
@@ -140,6 +140,9 @@ make_both(struct picture *pic, const struct rad_coded_picture *c, bool partial,
     whole.L =
         malloc((size_t)pic->width * (size_t)pic->height * sizeof *whole.L);
     rc = whole.L ? fill(pic, c, whole.L) : RAD_ENOMEM;
+    if (rc == 0 && pic->factor == 1)
+        rc = rad_edges_read(hdr, len, pic->width, pic->height, &whole.edges,
+                            NULL);
     if (rc == 0)
         rc = make_png(pic, &whole, partial, err);
     else
@@ -161,7 +164,7 @@ picture_make(struct picture *pic, const uint8_t *hdr, size_t len, bool partial,
         return rc;
     find_line(hdr, len, "\nVIEW=", pic->view);
     find_line(hdr, len, "\nSCENE=", pic->scene);
-    rc = make_both(pic, &coded, partial, err);
+    rc = make_both(pic, &coded, hdr, len, partial, err);
     rad_coded_picture_release(&coded);
     if (rc < 0)
         picture_release(pic);

@@ -15,7 +15,7 @@
 
 #define PICTURE_PIXELS 1500000    /* most pixels that are handed out */
 #define PICTURE_MOST   16000000   /* most pixels of a picture that is read */
-#define PICTURE_BYTES  (66 << 20) /* most bytes of its file */
+#define PICTURE_BYTES  (242 << 20) /* most bytes of its file, with edges */
 #define PICTURE_VIEW   1024
 
 /* Ahead of the pixels in `rgbe`: "RWP1", then width, height and the factor by

@@ -2,6 +2,8 @@
  * statistics, pictures */
 #include "config.h"
 
+#include "image/edge.h"
+
 #include "web/chart.h"
 #include "observer/history.h"
 #include "observer/markup.h"
@@ -239,6 +241,33 @@ TEST(a_picture_is_handed_out_to_the_bit)
     for (size_t k = 0; k < n; k += 7) /* one that ends early */
         ck_assert_int_lt(
             picture_make(&pic, (const uint8_t *)hdr_text, k, false, NULL), 0);
+}
+
+/* A pixel in which a lamp meets the dark is another on the screen than one of
+ * their mean, and the same radiance. */
+TEST(a_picture_shows_what_meets_within_its_pixels)
+{
+    struct rad_edge edge = { 3, .5f, rad_grey(1000), rad_grey(0) };
+    uint8_t *code = (uint8_t *)hdr_text + flat_picture(7, 5), *at = code;
+    struct picture with, without;
+
+    for (int y = 0; y < 5; y++)
+        at += rad_edge_encode_row(&edge, y == 2, at);
+    rad_edge_encode_end((uint64_t)(at - code), at);
+    at += RAD_EDGE_END_BYTES;
+    ck_assert_int_eq(picture_make(&with, (const uint8_t *)hdr_text,
+                                  (size_t)((char *)at - hdr_text), false, NULL),
+                     0);
+    ck_assert_int_eq(picture_make(&without, (const uint8_t *)hdr_text,
+                                  (size_t)((char *)code - hdr_text), false,
+                                  NULL),
+                     0);
+    ck_assert_uint_eq(with.nrgbe, without.nrgbe);
+    ck_assert_mem_eq(with.rgbe, without.rgbe, with.nrgbe);
+    ck_assert(with.npng != without.npng ||
+              memcmp(with.png, without.png, with.npng) != 0);
+    picture_release(&with);
+    picture_release(&without);
 }
 
 /* Who submits a job has a say in its picture's header. */
