@@ -292,10 +292,23 @@ desk_gives_way(const struct job *job, uint32_t index)
            job->spec.priority < w->rank;
 }
 
+uint64_t
+desk_date_ms(const struct coord *c)
+{
+    return c->now_ms + (c->env.slept_ms ? c->env.slept_ms(c->env.arg) : 0);
+}
+
+uint64_t
+desk_age_ms(const struct coord *c, const struct job *job)
+{
+    uint64_t date_ms = desk_date_ms(c);
+
+    return date_ms > job->over_ms ? date_ms - job->over_ms : 0;
+}
+
 bool
 desk_unfetched(const struct coord *c, const struct job *job)
 {
     return job_over(job) && job->state != JOB_CANCELLED && job->unfetched > 0 &&
-           (c->now_ms > job->end_ms ? c->now_ms - job->end_ms : 0) <
-               c->keep.unfetched_ms;
+           desk_age_ms(c, job) < c->keep.unfetched_ms;
 }

@@ -64,8 +64,6 @@ struct coord {
     uint64_t full_told_ms; /* when the log last said so; 0: never */
     struct action_list actions;
     uint64_t now_ms;
-    uint64_t behind_ms; /* sleep that now_ms lacks (coord_slept()); or 0 */
-    uint64_t behind_since_ms; /* when the first of that sleep was seen */
     struct coord_conn *conns;
     struct coord_worker *workers;
     uint32_t nworkers; /* workers ever known; the id of the next new worker */
@@ -136,6 +134,11 @@ bool desk_gives_way(const struct job *job, uint32_t index);
  * the job count only if `late`. */
 bool desk_others_may(const struct coord *c, const struct job *job,
                      const struct coord_worker *w, bool late);
+/* The date: the time by a clock that runs on while the machine sleeps.  By it
+ * jobs that are over age; for workers no time passes during a sleep. */
+uint64_t desk_date_ms(const struct coord *c);
+/* For how long the job has been over, sleep of the machine included. */
+uint64_t desk_age_ms(const struct coord *c, const struct job *job);
 /* Is the job over, with frames that its owner has not fetched but still may? */
 bool desk_unfetched(const struct coord *c, const struct job *job);
 

@@ -42,6 +42,9 @@ struct coord_env {
     bool (*has_room)(void *arg, uint64_t conn);
     /* call fn for each file of a job that is being sent; NULL: none is */
     void (*each_sent)(void *arg, coord_sent_fn *fn, void *with);
+    /* for how long the machine has slept in this life of the coordinator, which
+     * now_ms lacks; NULL: it never sleeps */
+    uint64_t (*slept_ms)(void *arg);
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* number of this life of the coordinator */
     unsigned direct;     /* so many workers of a job get records of tiles from

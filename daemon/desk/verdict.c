@@ -44,6 +44,7 @@ verdict_job(struct coord *c, struct job *job, enum job_state state, int status,
     job->state = state;
     job->status = status;
     job->end_ms = c->now_ms;
+    job->over_ms = desk_date_ms(c);
     job->ending = true;
     rad_text_print(job->text, sizeof job->text, "%s", text ? text : "");
     wire_clean(job->text); /* JSON wants UTF-8 */

@@ -449,7 +449,7 @@ coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
                                .offer_ms = job->offer_ms,
                                .submit_ms = job->submit_ms,
                                .open_ms = c->now_ms,
-                               .end_ms = coord_end_ms(c, job),
+                               .end_ms = job->over_ms,
                                .cache_bytes = job->cache.bytes,
                                .keep = job->cache.range,
                                .sent_bytes = job->sent_bytes };

@@ -12,10 +12,10 @@
  * owner's jobs come in the order in which they were submitted.  A worker gets
  * units of the first job that has a unit for the worker.
  *
- * now_ms: Unix time [ms], by a clock that was set once, at the start, and never
- * goes back; dates that users read are made of it.  In tests/sim it is the
- * simulation's own time.
- * Thread: the coordinator's loop. */
+ * now_ms: Unix time [ms], by a clock that was set once, at the start, never
+ * goes back, and stands still while the machine sleeps; dates that users read
+ * have that sleep (desk_date_ms()).  In tests/sim it is the simulation's own
+ * time. Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_H
 #define DAEMON_COORD_H
 

@@ -242,7 +242,7 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     char when[COORD_TIME];
 
     if (desk_unfetched(c, job) && !job->text[0]) {
-        coord_time_text(coord_end_ms(c, job) + c->keep.unfetched_ms, when);
+        coord_time_text(job->over_ms + c->keep.unfetched_ms, when);
         snprintf(buf, MSG_MAX_TEXT + 1, "not fetched; kept until %s", when);
         return buf;
     }

@@ -142,7 +142,7 @@ struct job {
     uint64_t open_ms;       /* the job was accepted */
     uint64_t first_ms;      /* the first unit went out; 0: none yet */
     uint64_t last_ms;       /* the last row was kept */
-    uint64_t end_ms;
+    uint64_t end_ms, over_ms; /* the job was over; that as a date (desk.h) */
 };
 
 /* The frames of a job, as a user's limit counts them.  A frame counts once for

@@ -7,15 +7,12 @@
 
 #include "net/log.h"
 #include "ground/service.h"
-#include "registry/coord_keep.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
-#include <time.h>
 
-#define TRIM_MS  2000
-#define SLEEP_MS 1000 /* more than the time between two readings of clocks */
+#define TRIM_MS 2000
 
 /* --- from the connections to the machine --- */
 
@@ -210,41 +207,12 @@ give_back_memory(struct radcoord *r)
     r->trimming = uv_queue_work(&r->daemon.loop, &r->trim, trim, trimmed) == 0;
 }
 
-/* How long the machine has slept since it started. */
-static uint64_t
-slept_ms(void)
-{
-    struct timespec awake = { 0 }, all = { 0 };
-
-    clock_gettime(CLOCK_MONOTONIC, &awake);
-    clock_gettime(CLOCK_BOOTTIME, &all);
-    return (uint64_t)((all.tv_sec - awake.tv_sec) * 1000 +
-                      (all.tv_nsec - awake.tv_nsec) / 1000000);
-}
-
-/* The loop's clock stands still while the machine sleeps.  The coordinator's
- * catches up as soon as no job is under way (coord_slept()), for a job that is
- * kept ages meanwhile: the next life goes by the wall clock and would find it
- * older than it is. */
-static void
-count_sleep(struct radcoord *r)
-{
-    uint64_t ms = slept_ms();
-
-    if (ms < r->slept_ms + SLEEP_MS ||
-        !coord_slept(r->coord, radcoord_now(r), ms - r->slept_ms))
-        return;
-    r->clock_ms += ms - r->slept_ms;
-    r->slept_ms = ms;
-}
-
 static void
 on_tick(void *arg)
 {
     struct radcoord *r = arg;
     uint64_t since_ns = uv_hrtime();
 
-    count_sleep(r);
     coord_tick(r->coord, radcoord_now(r));
     shell_run(&r->shell);
     transfers_tick(r->transfers);
@@ -277,7 +245,6 @@ static int
 start(void *arg, struct rad_error *err)
 {
     struct radcoord *r = arg;
-    uv_timeval64_t wall;
 
     shell_init(&r->shell, &r->daemon, &ops, r);
     r->shell.turns = &r->turns;
@@ -291,10 +258,6 @@ start(void *arg, struct rad_error *err)
     if (!r->owners)
         return rad_fail_memory(err);
     owners_set_map(r->owners, r->set.logins);
-    uv_gettimeofday(&wall);
-    r->clock_ms = (uint64_t)wall.tv_sec * 1000 + (uint64_t)wall.tv_usec / 1000 -
-                  daemon_now(&r->daemon);
-    r->slept_ms = slept_ms();
     if (radcoord_open_store(r, err) < 0 || radcoord_listen(r, err) < 0)
         return err->code;
     shell_run(&r->shell); /* actions of recovered jobs */

@@ -67,7 +67,7 @@ struct radcoord {
     bool trimming;    /* that work is under way */
     struct coord *coord;
     uint64_t clock_ms; /* the coordinator's time less the loop's */
-    uint64_t slept_ms; /* sleep of the machine that is part of clock_ms */
+    uint64_t slept_ms; /* sleep of the machine before radcoord started */
 };
 
 /* The coordinator's time [ms]: begins at the wall clock's time when radcoord

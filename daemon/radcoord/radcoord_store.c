@@ -8,6 +8,7 @@
 #include "registry/recover.h"
 
 #include <string.h>
+#include <time.h>
 
 /* --- answers of the store --- */
 
@@ -191,6 +192,28 @@ each_sent(void *arg, coord_sent_fn *fn, void *with)
     transfers_of_jobs(r->transfers, fn, with);
 }
 
+/* By the system's clock with that number [ms]. */
+static uint64_t
+clock_ms(clockid_t id)
+{
+    struct timespec t = { 0 };
+
+    clock_gettime(id, &t);
+    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
+}
+
+/* For how long the machine has slept since radcoord started; the loop's clock
+ * stands still meanwhile. */
+static uint64_t
+slept_ms(void *arg)
+{
+    const struct radcoord *r = arg;
+    uint64_t awake_ms = clock_ms(CLOCK_MONOTONIC) + r->slept_ms;
+    uint64_t all_ms = clock_ms(CLOCK_BOOTTIME);
+
+    return all_ms > awake_ms ? all_ms - awake_ms : 0;
+}
+
 static void
 sent(void *arg, uint64_t id, const struct store_source *whole)
 {
@@ -285,11 +308,14 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
                              .unread = unread,
                              .has_room = has_room,
                              .each_sent = each_sent,
+                             .slept_ms = slept_ms,
                              .program = "radcoord " PACKAGE_VERSION,
                              .keeps = !r->set.common.embedded,
                              .one_user = r->set.common.embedded };
     uint64_t epoch;
 
+    r->clock_ms = clock_ms(CLOCK_REALTIME) - daemon_now(&r->daemon);
+    r->slept_ms = slept_ms(r);
     r->store = store_open(&r->daemon.loop, r->set.state,
                           !r->set.common.embedded, &store_handler, r, err);
     if (!r->store)

@@ -26,8 +26,6 @@
 
 #define FETCH_MS  60000 /* time in which a user fetches all files of a job */
 #define FETCHING  64    /* jobs of a user that may be fetched at once */
-#define SETTLE_MS (COORD_LINGER_MS + 1000) /* after a job's end all is done */
-#define UNSEEN_MS 200   /* the most that a sleep goes unseen */
 #define LOOK_MS   1000  /* between two looks if no job ended or was fetched */
 
 static uint64_t
@@ -50,15 +48,14 @@ is_being_fetched(const struct coord *c, const struct job *job)
 static enum gone_why
 reason(const struct coord *c, const struct coord_kept *k)
 {
-    uint64_t age = k->oldest ? since(c, k->oldest->end_ms) : 0;
-
     if (!k->oldest)
         return GONE_NWHYS;
     if (k->jobs > c->keep.jobs || (k->jobs > 1 && k->weight > c->keep.jobs))
         return GONE_MANY;
-    if (c->keep.ms > 0 && age >= c->keep.ms)
+    if (c->keep.ms > 0 && desk_age_ms(c, k->oldest) >= c->keep.ms)
         return GONE_OLD;
-    if (c->keep.bytes > 0 && k->bytes > c->keep.bytes && age >= FETCH_MS)
+    if (c->keep.bytes > 0 && k->bytes > c->keep.bytes &&
+        since(c, k->oldest->end_ms) >= FETCH_MS)
         return GONE_LARGE;
     return GONE_NWHYS;
 }
@@ -273,52 +270,6 @@ coord_forget_old(struct coord *c)
     }
 }
 
-/* --- sleep of the machine --- */
-
-/* Did the job end after the machine had slept?  It may have done so before the
- * sleep was seen. */
-static bool
-is_after_sleep(const struct coord *c, const struct job *job)
-{
-    return c->behind_ms > 0 && job_over(job) &&
-           job->end_ms + UNSEEN_MS >= c->behind_since_ms;
-}
-
-uint64_t
-coord_end_ms(const struct coord *c, const struct job *job)
-{
-    return job->end_ms + (is_after_sleep(c, job) ? c->behind_ms : 0);
-}
-
-/* Is no job under way, nor in the hands of workers or users that have just seen
- * its end? */
-static bool
-is_calm(const struct coord *c)
-{
-    if (c->nopen > 0)
-        return false;
-    for (size_t i = 0; i < c->njobs; i++)
-        if (since(c, c->jobs[i]->end_ms) < SETTLE_MS ||
-            is_being_fetched(c, c->jobs[i]))
-            return false;
-    return true;
-}
-
-bool
-coord_slept(struct coord *c, uint64_t now_ms, uint64_t ms)
-{
-    c->now_ms = now_ms;
-    if (c->behind_ms == 0)
-        c->behind_since_ms = now_ms;
-    c->behind_ms = ms;
-    if (!is_calm(c))
-        return false;
-    for (size_t i = 0; i < c->njobs; i++)
-        c->jobs[i]->end_ms = coord_end_ms(c, c->jobs[i]);
-    c->behind_ms = 0;
-    return true;
-}
-
 /* --- frames that are fetched --- */
 
 /* The file of a frame for which the job's owner waits.  Sensor points have no
@@ -463,8 +414,8 @@ gone_of(const struct coord *c, const struct job *job, enum gone_why why)
 {
     struct saved_gone g = { .why = why,
                             .fetched = job->unfetched == 0,
-                            .end_ms = job->end_ms,
-                            .gone_ms = c->now_ms,
+                            .end_ms = job->over_ms,
+                            .gone_ms = desk_date_ms(c),
                             .sequence = job->sequence };
 
     memcpy(g.job, job->id, MSG_JOB);

@@ -23,15 +23,6 @@ void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
 #define COORD_TIME 32
 void coord_time_text(uint64_t ms, char text[COORD_TIME]);
 
-/* The machine has slept for ms that now_ms lacks.  During a job they stay out,
- * for its workers no time has passed.  True: that is long over, and from now on
- * the times of events have them; jobs that ended since the sleep are no older
- * for it. */
-bool coord_slept(struct coord *c, uint64_t now_ms, uint64_t ms);
-/* When a job that is over ended, by a clock that does not stand still while the
- * machine sleeps: what the next life goes by. */
-uint64_t coord_end_ms(const struct coord *c, const struct job *job);
-
 /* A file of the job is about to be sent over the connection: if that belongs to
  * the job's owner the job is not forgotten now. */
 void coord_fetching(const struct coord *c, const struct coord_conn *conn,

@@ -299,7 +299,7 @@ take_times(struct job *job, uint64_t now_ms, const struct saved_job *s)
     job->offer_ms = not_after(now_ms, s->offer_ms);
     job->submit_ms = not_after(now_ms, s->submit_ms);
     job->open_ms = not_after(now_ms, s->open_ms);
-    job->end_ms = not_after(now_ms, s->end_ms);
+    job->end_ms = job->over_ms = not_after(now_ms, s->end_ms);
     job->sent_bytes = s->sent_bytes;
 }
 

@@ -37,7 +37,7 @@ struct to_do {
 
 static struct {
     struct coord *c;
-    uint64_t now_ms;
+    uint64_t now_ms, slept_ms;
     bool have;              /* the file is stored */
     struct msg last[CONNS]; /* by connection: what was said to it last */
     struct wire_out bytes[CONNS];
@@ -90,6 +90,13 @@ has_room(void *arg, uint64_t conn)
     (void)arg;
     (void)conn;
     return !f.crammed;
+}
+
+static inline uint64_t
+slept_ms(void *arg)
+{
+    (void)arg;
+    return f.slept_ms;
 }
 
 static inline void
@@ -304,6 +311,7 @@ set_up_coord(bool keeps)
     struct coord_env env = { .has_file = has_file,
                              .random = no_random,
                              .has_room = has_room,
+                             .slept_ms = slept_ms,
                              .program = "radcoord",
                              .epoch = 1,
                              .direct = 1,
