@@ -392,33 +392,6 @@ journal_check(struct journal *j, struct rad_error *err)
     return rc;
 }
 
-int
-journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
-                   struct rad_error *err)
-{
-    sqlite3_stmt *s = journal_writer(j, SQL_LAST_LIFE, err);
-    uint64_t last;
-    int rc;
-
-    if (!s)
-        return err->code;
-    rc = sqlite3_step(s);
-    if (rc != SQLITE_ROW) {
-        rc = journal_failed(j, rc, err);
-        sqlite3_reset(s);
-        return rc;
-    }
-    last = (uint64_t)sqlite3_column_int64(s, 0);
-    sqlite3_reset(s);
-    *epoch = now_ms > last ? now_ms : last + 1;
-    s = journal_writer(j, SQL_PUT_LIFE, err);
-    if (!s)
-        return err->code;
-    sqlite3_bind_int64(s, 1, (sqlite3_int64)*epoch);
-    sqlite3_bind_int64(s, 2, (sqlite3_int64)now_ms);
-    return journal_run(j, s, err);
-}
-
 /* --- transactions --- */
 
 /* May the failure pass: does the disk lack room, or are memory or descriptors

@@ -1,6 +1,7 @@
 /* journal_impl.h - what the parts of the journal share; for them alone
  *
  *   journal.c       the database: opening, errors, transactions
+ *   journal_life.c  lives and dates
  *   journal_put.c   putting
  *   journal_read.c  reading
  *   journal_sql.c   tables and statements in SQL
@@ -20,6 +21,9 @@ enum journal_sql {
     SQL_COMMIT,
     SQL_PUT_LIFE,
     SQL_LAST_LIFE,
+    SQL_PUT_DATE,
+    SQL_MOVE_JOBS,
+    SQL_MOVE_UNITS,
     SQL_PUT_JOB,
     SQL_PUT_STATE,
     SQL_PUT_DRAINED,

@@ -3,6 +3,7 @@
 
 #include "journal/journal_impl.h"
 
+/* life.began_ms: when the life began, and from then on when it was last seen */
 const char journal_schema[] =
     "CREATE TABLE life (epoch INTEGER PRIMARY KEY, began_ms INTEGER NOT NULL);"
     "CREATE TABLE job ("
@@ -38,7 +39,15 @@ const char *const journal_sql[NSQL] = {
     [SQL_BEGIN] = "BEGIN IMMEDIATE",
     [SQL_COMMIT] = "COMMIT",
     [SQL_PUT_LIFE] = "INSERT INTO life VALUES (?1, ?2)",
-    [SQL_LAST_LIFE] = "SELECT ifnull(max(epoch), 0) FROM life",
+    /* began_ms is of the row that has the maximum */
+    [SQL_LAST_LIFE] = "SELECT max(epoch), began_ms FROM life",
+    [SQL_PUT_DATE] = "UPDATE life SET began_ms = ?1"
+                     " WHERE epoch = (SELECT max(epoch) FROM life)",
+    [SQL_MOVE_JOBS] = "UPDATE job SET offer_ms = min(offer_ms + ?1, ?2),"
+                      " submit_ms = min(submit_ms + ?1, ?2),"
+                      " open_ms = min(open_ms + ?1, ?2),"
+                      " end_ms = min(end_ms + ?1, ?2)",
+    [SQL_MOVE_UNITS] = "UPDATE unit SET end_ms = min(end_ms + ?1, ?2)",
     [SQL_PUT_JOB] =
         "INSERT INTO job (id, owner, spec, epoch, state, status,"
         " text, offer_ms, submit_ms, open_ms, end_ms, sent_bytes, kept_bytes)"

@@ -3,6 +3,7 @@ libdaemon_a_SOURCES += \
 	daemon/journal/journal.c \
 	daemon/journal/journal.h \
 	daemon/journal/journal_impl.h \
+	daemon/journal/journal_life.c \
 	daemon/journal/journal_put.c \
 	daemon/journal/journal_read.c \
 	daemon/journal/journal_sql.c \

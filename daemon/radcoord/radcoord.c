@@ -217,7 +217,7 @@ on_tick(void *arg)
     shell_run(&r->shell);
     transfers_tick(r->transfers);
     radcoord_tick_keys(r);
-    radcoord_tick_files(r);
+    radcoord_tick_store(r);
     give_back_memory(r);
     turns_note(&r->turns, "tick", uv_hrtime() - since_ns);
 }

@@ -68,10 +68,11 @@ struct radcoord {
     struct coord *coord;
     uint64_t clock_ms; /* the coordinator's time less the loop's */
     uint64_t slept_ms; /* sleep of the machine before radcoord started */
+    uint64_t noted_ms; /* the date that the store was last told */
 };
 
 /* The coordinator's time [ms]: begins at the wall clock's time when radcoord
- * starts, and never goes back while it runs. */
+ * starts, if that can be right, and never goes back while it runs. */
 static inline uint64_t
 radcoord_now(struct radcoord *r)
 {
@@ -114,7 +115,8 @@ void radcoord_do_key(struct radcoord *r, const struct action *a);
 
 /* Open the state folder and recover its jobs. */
 int radcoord_open_store(struct radcoord *r, struct rad_error *err);
-/* Remove files that no job needs, now and then; called each tick. */
-void radcoord_tick_files(struct radcoord *r);
+/* Note the date, and remove files that no job needs, now and then; called each
+ * tick. */
+void radcoord_tick_store(struct radcoord *r);
 
 #endif

@@ -10,6 +10,8 @@
 #include <string.h>
 #include <time.h>
 
+#define NOTE_MS (3600 * 1000) /* between two notes of the date */
+
 /* --- answers of the store --- */
 
 static void
@@ -312,10 +314,10 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
                              .program = "radcoord " PACKAGE_VERSION,
                              .keeps = !r->set.common.embedded,
                              .one_user = r->set.common.embedded };
-    uint64_t epoch;
+    uint64_t clock = clock_ms(CLOCK_REALTIME), epoch;
 
-    r->clock_ms = clock_ms(CLOCK_REALTIME) - daemon_now(&r->daemon);
     r->slept_ms = slept_ms(r);
+    r->noted_ms = clock;
     r->store = store_open(&r->daemon.loop, r->set.state,
                           !r->set.common.embedded, &store_handler, r, err);
     if (!r->store)
@@ -326,8 +328,13 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
     if (!r->transfers || !r->coord)
         return rad_fail_memory(err);
     r->shell.actions = coord_actions(r->coord);
-    if (store_recover(r->store, radcoord_now(r), &epoch, recover_one, r, err) <
-            0 ||
+    if (store_begin_life(r->store, &r->noted_ms, &epoch, err) < 0)
+        return err->code;
+    if (r->noted_ms != clock)
+        log_warn("clock wrong by_s=%llu: the date is as it was last known",
+                 (unsigned long long)(r->noted_ms - clock) / 1000);
+    r->clock_ms = r->noted_ms - daemon_now(&r->daemon);
+    if (store_recover(r->store, radcoord_now(r), recover_one, r, err) < 0 ||
         store_read_drained(r->store, recover_worker, r, err) < 0)
         return err->code;
     coord_set_epoch(r->coord, epoch);
@@ -335,13 +342,25 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
     return 0;
 }
 
-/* --- files that no job needs --- */
+/* --- now and then --- */
+
+/* So the next life knows when this one was last seen. */
+static void
+note_date(struct radcoord *r)
+{
+    uint64_t date_ms = radcoord_now(r) + slept_ms(r);
+
+    if (date_ms < r->noted_ms + NOTE_MS)
+        return;
+    r->noted_ms = date_ms;
+    store_note_date(r->store, date_ms);
+}
 
 /* At the start, then every quarter of upload_s, files are removed that no job
  * names.  Files that came within upload_s stay, for their user may still submit
  * a job. */
-void
-radcoord_tick_files(struct radcoord *r)
+static void
+sweep_files(struct radcoord *r)
 {
     uint64_t period_ms = UINT64_C(250) * (unsigned)r->set.upload_s;
     uint8_t *list;
@@ -354,4 +373,11 @@ radcoord_tick_files(struct radcoord *r)
     list = coord_files(r->coord, &n);
     if (list)
         store_sweep(r->store, list, n, r->set.upload_s);
+}
+
+void
+radcoord_tick_store(struct radcoord *r)
+{
+    note_date(r);
+    sweep_files(r);
 }

@@ -74,14 +74,20 @@ struct store *store_open(uv_loop_t *loop, const char *dir, bool durable,
                          const struct store_handler *handler, void *arg,
                          struct rad_error *err);
 
+/* Begin a life of the coordinator, with this number, before all other requests.
+ * *date_ms is the system's clock, which may be wrong (journal.h). */
+int store_begin_life(struct store *s, uint64_t *date_ms, uint64_t *epoch,
+                     struct rad_error *err);
+/* Note the date, every hour or so. */
+void store_note_date(struct store *s, uint64_t date_ms);
 /* Take up the jobs of earlier processes, before all other requests; waits for
  * the disk.  fn is called for each job that the database has, in the order in
  * which the jobs were accepted, and may read rows of units in *s with
- * store_read_row().  *epoch: the number of this life of the coordinator. */
+ * store_read_row(). */
 typedef int store_job_fn(void *arg, const struct saved_job *s,
                          struct rad_error *err);
-int store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
-                  store_job_fn *fn, void *arg, struct rad_error *err);
+int store_recover(struct store *s, uint64_t now_ms, store_job_fn *fn, void *arg,
+                  struct rad_error *err);
 /* Call fn for each worker that an earlier process left drained. */
 typedef int store_worker_fn(void *arg, const char *worker,
                             struct rad_error *err);

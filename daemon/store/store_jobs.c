@@ -271,7 +271,35 @@ store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state,
     store_push_lasting(s, &j->task);
 }
 
-/* --- workers --- */
+/* --- dates and workers --- */
+
+struct date_task {
+    struct task task;
+    struct store *store;
+    uint64_t date_ms;
+};
+
+static int
+date_run(struct task *t)
+{
+    struct date_task *d = (struct date_task *)t;
+
+    return journal_put_date(d->store->journal, d->date_ms, &t->err);
+}
+
+void
+store_note_date(struct store *s, uint64_t date_ms)
+{
+    struct date_task *d =
+        s->journal ? store_new_task(s, sizeof *d, date_run, store_free_task)
+                   : NULL;
+
+    if (!d)
+        return;
+    d->store = s;
+    d->date_ms = date_ms;
+    store_push_lasting(s, &d->task);
+}
 
 struct worker_task {
     struct task task;

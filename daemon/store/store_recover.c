@@ -191,18 +191,29 @@ tidy(void *arg, const uint8_t job[MSG_JOB], bool going, struct rad_error *err)
 }
 
 int
-store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
-              store_job_fn *fn, void *arg, struct rad_error *err)
+store_begin_life(struct store *s, uint64_t *date_ms, uint64_t *epoch,
+                 struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    *epoch = *date_ms;
+    if (!s->journal ||
+        journal_begin_life(s->journal, date_ms, epoch, &why) == 0)
+        return 0;
+    return store_refuse(s, &why, err);
+}
+
+int
+store_recover(struct store *s, uint64_t now_ms, store_job_fn *fn, void *arg,
+              struct rad_error *err)
 {
     struct recovery r = { .s = s, .now_ms = now_ms, .fn = fn, .arg = arg };
     struct rad_error why = { 0 };
-    int rc;
+    int rc = 0;
 
-    *epoch = now_ms;
     if (!s->journal)
         return 0;
-    rc = journal_begin_life(s->journal, now_ms, epoch, &why);
-    if (rc == 0 && s->handler->gone)
+    if (s->handler->gone)
         rc = journal_read_gone(s->journal, s->handler->gone, s->arg, &why);
     if (rc == 0)
         rc = journal_read(s->journal, recover_one, &r, &why);

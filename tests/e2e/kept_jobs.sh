@@ -167,22 +167,46 @@ used 10 || fail "the next life does not know it: $(ana limits)"
 end_one "$coord_pid" coordinator
 
 # Days that the machine sleeps count, too,
-export DISASTER_SLEPT=$work/slept
+export DISASTER_SLEPT=$work/slept DISASTER_CLOCK=$work/clock
+life() # SECONDS: so far is the system's clock ahead
+{
+    echo "$1" >clock
+    LD_PRELOAD=$top_builddir/tests/tools/disaster.so
+    export LD_PRELOAD
+    coord_start
+    unset LD_PRELOAD
+}
 echo 0 >slept
-LD_PRELOAD=$top_builddir/tests/tools/disaster.so
-export LD_PRELOAD
-coord_start
-unset LD_PRELOAD
+life 0
 used 10 || fail "before the sleep: $(ana limits)"
 echo $((15 * 86400)) >slept
 until_true 10 used 0 || fail "after the sleep: $(ana limits)"
 # but they make a job no older that was under way, and ended after them
-long=$("$radsubmit" --coordinator="$tcp" --key="$work/user.key" --detach $view \
-    "$room" 2>stderr) || fail "over the sleep: $(cat stderr)"
+"$radsubmit" --coordinator="$tcp" --key="$work/user.key" --detach $view \
+    "$room" >ids 2>stderr || fail "over the sleep: $(cat stderr)"
 echo $((45 * 86400)) >slept
 worker_start 2 1
 until_true 30 used 1 || fail "forgotten with its end: $(ana jobs)"
-ana fetch -o "$work/long.hdr" "$long" 2>stderr ||
-    fail "forgotten with its end: $(cat stderr)"
+
+# A clock that is wrong when a life begins makes no job old, nor does that it is
+# put right: two decades ahead, and a dead battery's 1970.
+another_life()
+{
+    end_one "$coord_pid" coordinator
+    life "$1"
+    used 1 || fail "forgotten by a clock that is $1 s ahead: $(ana jobs)"
+}
+another_life $((20 * 366 * 86400))
+another_life 0
+another_life $((3600 - $(date +%s)))
+grep -q 'clock wrong by_s=' c.log || fail "the log does not tell of 1970"
+another_life 0
+# Time that radcoord lives counts, all the same.
+touch mark
+echo $((55 * 86400)) >slept
+until_true 10 test state/radcoord.db-wal -nt mark || fail "no date is noted"
+another_life $((10 * 86400))
+echo $((60 * 86400)) >slept
+until_true 10 used 0 || fail "ten days and five count for less: $(ana jobs)"
 cluster_stop
 finish

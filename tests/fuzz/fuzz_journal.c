@@ -47,6 +47,7 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct coord_env env = { .program = "fuzz", .keeps = true };
     struct rad_error err = { 0 };
     struct coord *c = coord_new(&env);
+    uint64_t date_ms = 1000, epoch;
     struct journal *j = NULL;
     char path[64];
     int fd;
@@ -57,7 +58,8 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         abort();
     close(fd);
     if (journal_open(&j, path, JOURNAL_READ, &err) == 0 &&
-        journal_check(j, &err) == 0)
+        journal_check(j, &err) == 0 &&
+        journal_begin_life(j, &date_ms, &epoch, &err) == 0)
         journal_read(j, take, c, &err);
     if (err.code != 0)
         steps_say(0, "is refused:", err.what);

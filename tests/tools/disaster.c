@@ -22,6 +22,7 @@
  *   DISASTER_COUNT         a file that gets the counts at each step
  *   DISASTER_ROOM          a file: as long as it is there, the disk is full
  *   DISASTER_SLEPT         a file: how many seconds the machine has slept
+ *   DISASTER_CLOCK         a file: how many seconds the system's clock is ahead
  *
  * Programs that write through stdio are not seen. */
 #include "config.h"
@@ -647,12 +648,12 @@ rmdir(const char *path)
 int
 clock_gettime(clockid_t id, struct timespec *t)
 {
-    const char *path = getenv("DISASTER_SLEPT");
+    const char *path = id == CLOCK_BOOTTIME   ? getenv("DISASTER_SLEPT")
+                       : id == CLOCK_REALTIME ? getenv("DISASTER_CLOCK")
+                                              : NULL;
     int rc = (int)syscall(SYS_clock_gettime, id, t);
     char text[32] = "";
-    int fd = path && id == CLOCK_BOOTTIME
-                 ? (int)syscall(SYS_openat, AT_FDCWD, path, O_RDONLY)
-                 : -1;
+    int fd = path ? (int)syscall(SYS_openat, AT_FDCWD, path, O_RDONLY) : -1;
 
     if (fd >= 0) {
         if (syscall(SYS_read, fd, text, sizeof text - 1) > 0)

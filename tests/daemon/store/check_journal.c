@@ -4,6 +4,7 @@
 
 #include "lives_fixture.h"
 
+#include "jobs/job.h"
 #include "journal/journal_impl.h"
 
 #include <errno.h>
@@ -148,4 +149,101 @@ TEST(rows_that_could_not_be_synced_are_not_kept)
     ck_assert(h.rows == 0 || h.status != 0);
     ck_assert_int_eq(h.broken, EX_IOERR);
     close_kept(&loop, s);
+}
+
+#define HOUR  (UINT64_C(3600) * 1000)
+#define DAY   (24 * HOUR)
+#define NOV26 UINT64_C(1795000000000) /* 2026-11-18 [ms] */
+
+/* A job is over for five days when a life ends that was last seen in NOV26; by
+ * the clock of the next life it is then `clock`, and the life says when the job
+ * was over. */
+static const struct {
+    uint64_t clock, date, age;
+} pauses[] = {
+    { NOV26, NOV26, 5 * DAY },
+    { NOV26 + 3 * HOUR, NOV26 + 3 * HOUR, 5 * DAY + 3 * HOUR },
+    /* switched off on purpose, or a clock that is years ahead */
+    { NOV26 + 31 * DAY, NOV26 + 31 * DAY, 5 * DAY + 12 * HOUR },
+    { NOV26 + 9999 * DAY, NOV26 + 9999 * DAY, 5 * DAY + 12 * HOUR },
+    /* the last life's clock was ahead */
+    { NOV26 - 1, NOV26 - 1, 5 * DAY },
+    { NOV26 - 100 * DAY, NOV26 - 100 * DAY, 5 * DAY },
+    { 5 * HOUR, NOV26, 5 * DAY }, /* a dead battery: 1970 */
+};
+
+static int
+note_end(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    uint64_t *end_ms = arg;
+
+    (void)err;
+    *end_ms = s->end_ms;
+    return 0;
+}
+
+/* Begin a life by that clock; returns its date, and the age of the job. */
+static uint64_t
+live(struct journal *j, uint64_t clock, uint64_t *age)
+{
+    struct rad_error err = { 0 };
+    uint64_t epoch, end_ms = 0;
+
+    ck_assert_msg(journal_begin_life(j, &clock, &epoch, &err) == 0, "%s",
+                  err.what);
+    ck_assert_int_eq(journal_read(j, note_end, &end_ms, &err), 0);
+    ck_assert_int_eq(journal_commit(j, &err), 0);
+    *age = clock - end_ms;
+    return clock;
+}
+
+/* A database with a job that was over five days before NOV26, in a life that
+ * began by that clock. */
+static struct journal *
+live_first(uint64_t clock)
+{
+    struct saved_job job = { .spec = kept_spec, .owner = "ana", .text = "" };
+    char path[160];
+    uint64_t age;
+    struct journal *j;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    ck_assert_uint_eq(live(j, clock, &age), clock);
+    ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
+    job.state = job.last.state = JOB_CANCELLED;
+    job.end_ms = NOV26 - 5 * DAY;
+    ck_assert_int_eq(journal_put_end(j, &job, NULL), 0);
+    return j;
+}
+
+LOOP_TEST(a_wrong_clock_makes_no_job_old, N_ELEM(pauses))
+{
+    struct journal *j = live_first(NOV26 - 6 * DAY);
+    uint64_t date, age;
+
+    ck_assert_int_eq(journal_put_date(j, NOV26, NULL), 0);
+    date = live(j, pauses[_i].clock, &age);
+    ck_assert_uint_eq(date, pauses[_i].date);
+    ck_assert_uint_eq(age, pauses[_i].age);
+    /* the clock is put right while that life goes on for a day */
+    ck_assert_int_eq(journal_put_date(j, date + DAY, NULL), 0);
+    live(j, NOV26 + DAY, &age);
+    ck_assert_uint_ge(age, pauses[_i].age + DAY);
+    ck_assert_uint_le(age, pauses[_i].age + DAY + 12 * HOUR);
+    journal_close(j);
+}
+
+/* A life of which the database has no date but that of its beginning, as all
+ * had before dates were put: its last jobs are new to the next life. */
+TEST(no_date_is_moved_into_the_future)
+{
+    struct journal *j = live_first(NOV26 - 20 * DAY);
+    uint64_t age;
+
+    live(j, NOV26, &age);
+    ck_assert_uint_eq(age, 0);
+    live(j, NOV26 + HOUR, &age);
+    ck_assert_uint_eq(age, HOUR);
+    journal_close(j);
 }

@@ -40,10 +40,11 @@ note_job(void *arg, const struct saved_job *s, struct rad_error *err)
 static int
 recover(struct store *s, struct saved_job *job, struct rad_error *err)
 {
-    uint64_t epoch;
+    uint64_t date_ms = 1000, epoch;
+    int rc = store_begin_life(s, &date_ms, &epoch, err);
 
     memset(job, 0, sizeof *job);
-    return store_recover(s, 1000, &epoch, note_job, job, err);
+    return rc == 0 ? store_recover(s, date_ms, note_job, job, err) : rc;
 }
 
 static void
@@ -682,7 +683,6 @@ TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
                              .owner = "ana" };
     struct store_handler counts = handler;
     struct heard h;
-    uint64_t epoch;
     int nopen = 0;
     uv_loop_t loop;
     struct store *s;
@@ -691,7 +691,7 @@ TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
     counts.job = count_jobs;
     counts.waits = count_waits;
     open_for(&loop, &s, &counts, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, count_open, &nopen, NULL), 0);
+    ck_assert_int_eq(store_recover(s, 1, count_open, &nopen, NULL), 0);
     make_cache(&loop, s, 2 << 20);
     h.jobs = 0;
     limit_files(1 << 20);
@@ -704,7 +704,7 @@ TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
     close_kept(&loop, s);
     ck_assert_int_eq(h.jobs, 0);
     open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, count_open, &nopen, NULL), 0);
+    ck_assert_int_eq(store_recover(s, 1, count_open, &nopen, NULL), 0);
     ck_assert_int_eq(nopen, 0);
     close_kept(&loop, s);
 }

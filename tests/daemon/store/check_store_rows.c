@@ -118,14 +118,13 @@ LOOP_TEST(rows_that_a_disk_has_spoilt_are_none, N_ELEM(spoilt))
     int unit = spoilt[_i].unit;
     uint32_t stored[2];
     struct heard h;
-    uint64_t epoch;
     char path[200];
     uv_loop_t loop;
     struct store *s;
     FILE *f;
 
     open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
     open_job_as(s, coded ? MSG_JOB_CODED : 0);
     put_pieces(s, coded, spoilt[_i].densities);
     close_kept(&loop, s);
@@ -141,8 +140,7 @@ LOOP_TEST(rows_that_a_disk_has_spoilt_are_none, N_ELEM(spoilt))
     }
     for (int life = 0; life < 2; life++) {
         open_kept(&loop, &s, &h);
-        ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL),
-                         0);
+        ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
         close_kept(&loop, s);
         ck_assert_uint_eq(stored[0], unit == 0 || unit == 2 ? 0 : 3);
         ck_assert_uint_eq(stored[1], unit == 1 || unit == 2 ? 0 : 3);
@@ -177,12 +175,11 @@ LOOP_TEST(a_job_that_was_given_up_stays_so, 2)
     bool given_up;
     uint32_t stored[2];
     struct heard h;
-    uint64_t epoch;
     uv_loop_t loop;
     struct store *s;
 
     open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
     open_job(s);
     if (_i == 0)
         put_pieces(s, false, 1);
@@ -196,9 +193,8 @@ LOOP_TEST(a_job_that_was_given_up_stays_so, 2)
     for (int life = 0; life < 2; life++) {
         open_kept(&loop, &s, &h);
         given_up = false;
-        ck_assert_msg(
-            store_recover(s, 1, &epoch, note_given_up, &given_up, &err) == 0,
-            "%s: %s", err.where, err.what);
+        ck_assert_msg(store_recover(s, 1, note_given_up, &given_up, &err) == 0,
+                      "%s: %s", err.where, err.what);
         ck_assert(given_up);
         ck_assert(!is_there(KEPT_DIR "/room"));
         if (life == 1)
@@ -207,8 +203,7 @@ LOOP_TEST(a_job_that_was_given_up_stays_so, 2)
     }
     ck_assert(!is_there(KEPT_DIR "/over"));
     open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_cancelled, NULL, NULL),
-                     0);
+    ck_assert_int_eq(store_recover(s, 1, note_cancelled, NULL, NULL), 0);
     close_kept(&loop, s);
 }
 
@@ -254,7 +249,6 @@ TEST(rows_that_come_when_the_database_is_full_are_noted_once)
     struct store_handler ends = handler;
     uint32_t stored[2];
     struct heard h;
-    uint64_t epoch;
     uv_loop_t loop;
     struct store *s;
 
@@ -264,7 +258,7 @@ TEST(rows_that_come_when_the_database_is_full_are_noted_once)
     ends.fullness = end_all_fullness;
     open_for(&loop, &s, &ends, &h);
     full_store = s;
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
     open_job(s);
     run(&loop, s);
     keep_units(s);
@@ -280,7 +274,7 @@ TEST(rows_that_come_when_the_database_is_full_are_noted_once)
     forget(s, second);
     close_kept(&loop, s);
     open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
     close_kept(&loop, s);
     ck_assert_uint_eq(stored[0], 3);
     ck_assert_uint_eq(stored[1], 3);
@@ -292,17 +286,16 @@ TEST(a_units_base_line_outlives_the_store)
     uint8_t line[W * 12];
     uint32_t stored[2];
     struct heard h;
-    uint64_t epoch;
     uv_loop_t loop;
     struct store *s;
 
     open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
     open_job_as(s, MSG_JOB_CODED);
     put_pieces(s, true, 1);
     close_kept(&loop, s);
     open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
     for (uint32_t y = 2; y < H; y += 3) {
         ck_assert(store_read_row(s, kept_job, 0, y, line));
         for (int i = 0; i < N_ELEM(line); i++)
