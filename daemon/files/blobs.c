@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <time.h>
 #include <unistd.h>
 
 static const char part_suffix[] = ".part";
@@ -96,24 +97,39 @@ is_kept(const char *name, const uint8_t *keep, size_t n)
     return rad_sha_among(keep, n, digest);
 }
 
+/* Is this a file that was neither touched nor made in the last age_s seconds?
+ * A file that was so in the future, by a clock that was wrong, is so now. */
+static bool
+is_old(int dir, const char *name, long age_s)
+{
+    static const struct timespec now[2] = { { .tv_nsec = UTIME_NOW },
+                                            { .tv_nsec = UTIME_NOW } };
+    struct stat st;
+    time_t unused;
+
+    if (fstatat(dir, name, &st, AT_SYMLINK_NOFOLLOW) < 0 ||
+        !S_ISREG(st.st_mode))
+        return false;
+    unused =
+        time(NULL) - (st.st_atime > st.st_mtime ? st.st_atime : st.st_mtime);
+    if (unused < -age_s)
+        utimensat(dir, name, now, AT_SYMLINK_NOFOLLOW);
+    return unused > age_s;
+}
+
 unsigned
-blobs_sweep(const struct blobs *b, const uint8_t *keep, size_t n, time_t before)
+blobs_sweep(const struct blobs *b, const uint8_t *keep, size_t n, long age_s)
 {
     DIR *d = disk_open_dir(b->dir);
     unsigned removed = 0;
     struct dirent *e;
-    struct stat st;
 
     if (!d)
         return 0;
-    while ((e = readdir(d)) != NULL) {
-        if (!rad_sha_valid(e->d_name) || is_kept(e->d_name, keep, n) ||
-            fstatat(dirfd(d), e->d_name, &st, AT_SYMLINK_NOFOLLOW) < 0 ||
-            !S_ISREG(st.st_mode) || st.st_atime >= before ||
-            st.st_mtime >= before)
-            continue;
-        removed += unlinkat(dirfd(d), e->d_name, 0) == 0;
-    }
+    while ((e = readdir(d)) != NULL)
+        if (rad_sha_valid(e->d_name) && !is_kept(e->d_name, keep, n) &&
+            is_old(dirfd(d), e->d_name, age_s))
+            removed += unlinkat(dirfd(d), e->d_name, 0) == 0;
     closedir(d);
     return removed;
 }

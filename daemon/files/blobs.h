@@ -43,9 +43,10 @@ bool blobs_any(const char *dir);
 void blobs_touch(const struct blobs *b, const char *hash);
 
 /* Remove the files whose hashes are none of the n digests at keep, which rise,
- * and that were neither touched nor made since `before`.  Returns how many. */
+ * and that were neither touched nor made in the last age_s seconds.  Returns
+ * how many. */
 unsigned blobs_sweep(const struct blobs *b, const uint8_t *keep, size_t n,
-                     time_t before);
+                     long age_s);
 
 /* Call fn for each file, in no order, until fn returns other than 0; `name` is
  * the file's hash.  Returns fn's last result, or 0. */

@@ -213,8 +213,7 @@ sweep_run(struct task *t)
     struct sweep_task *w = (struct sweep_task *)t;
 
     w->n = rad_sha_unique(w->hashes, w->n);
-    w->removed =
-        blobs_sweep(&w->store->blobs, w->hashes, w->n, time(NULL) - w->age_s);
+    w->removed = blobs_sweep(&w->store->blobs, w->hashes, w->n, w->age_s);
     return 0;
 }
 

@@ -457,11 +457,22 @@ digest_of(const char *text, uint8_t digest[MSG_HASH])
     rad_sha_from_hex(hex, digest);
 }
 
+static void
+sweep(uv_loop_t *loop, struct store *s, const char *needed)
+{
+    uint8_t *keep = malloc(MSG_HASH);
+
+    ck_assert_ptr_nonnull(keep);
+    digest_of(needed, keep);
+    store_sweep(s, keep, 1, 3600);
+    run(loop, s);
+}
+
 TEST(files_that_no_job_needs_go_after_a_day)
 {
     static const char *const texts[] = { "needed", "asked for", "new",
                                          "forgotten", "old" };
-    uint8_t *keep = malloc(MSG_HASH), asked[MSG_HASH];
+    uint8_t asked[MSG_HASH];
     struct heard h = { 0 };
     uv_loop_t loop;
     struct store *s;
@@ -483,12 +494,37 @@ TEST(files_that_no_job_needs_go_after_a_day)
     fclose(f);
     digest_of("asked for", asked);
     ck_assert(store_check_file(s, asked));
-    digest_of("needed", keep);
-    store_sweep(s, keep, 1, 3600);
-    run(&loop, s);
+    sweep(&loop, s, "needed");
     ck_assert(has_text("needed") && has_text("asked for") && has_text("new"));
     ck_assert(!has_text("forgotten") && !has_text("old"));
     ck_assert(is_there("files/a note of somebody's"));
+    store_close(s);
+    uv_loop_close(&loop);
+}
+
+/* A clock that was years ahead would keep the file for as long. */
+TEST(a_file_of_the_future_is_new)
+{
+    struct heard h = { 0 };
+    char hex[RAD_SHA_HEX + 1], path[200];
+    struct stat st;
+    uv_loop_t loop;
+    struct store *s;
+
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, true, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    put_file(s, "ahead", "ahead");
+    run(&loop, s);
+    make_old("ahead", -1000000);
+    sweep(&loop, s, "needed");
+    ck_assert_int_eq(rad_sha_hex("ahead", 5, hex, NULL), 0);
+    snprintf(path, sizeof path, "%s/files/%s", dir, hex);
+    ck_assert_int_eq(stat(path, &st), 0);
+    ck_assert_int_le(st.st_mtime, time(NULL));
+    make_old("ahead", 3660);
+    sweep(&loop, s, "needed");
+    ck_assert(!has_text("ahead"));
     store_close(s);
     uv_loop_close(&loop);
 }
