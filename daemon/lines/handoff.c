@@ -182,15 +182,6 @@ introduce(struct coord *c, struct job *job, uint32_t unit,
     }
 }
 
-uint64_t
-handoff_top_ms(const struct job *job, uint32_t unit)
-{
-    uint32_t first, last;
-    uint32_t frame = lines_of_unit(job, unit, &first, &last);
-
-    return first > 0 ? shared_whole_ms(job->shared, frame, first - 1) : 0;
-}
-
 void
 handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {

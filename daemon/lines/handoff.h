@@ -26,8 +26,6 @@ void handoff_out(struct coord *c, struct job *job, uint32_t unit,
 /* A worker came back and goes on with its units: as handoff_out(), but without
  * facts. */
 void handoff_back(struct coord *c, struct job *job, uint32_t index);
-/* When the whole base line above a unit was here; 0: it is not. */
-uint64_t handoff_top_ms(const struct job *job, uint32_t unit);
 /* Is the unit's bottom here, or needed by no unit? */
 bool handoff_complete(const struct job *job, uint32_t unit);
 /* A unit is done: drop its facts and its top. */

@@ -16,7 +16,6 @@
 #include "desk/verdict.h"
 #include "jobs/go.h"
 #include "jobs/job.h"
-#include "lines/handoff.h"
 #include "lines/lending.h"
 #include "sched/handout.h"
 #include "sched/loss.h"
@@ -30,9 +29,6 @@
 /* A unit is late when it is out for LATE_MEDIANS times the median time of a
  * unit, but not before the coordinator's lease. */
 #define LATE_MEDIANS 10
-
-/* An attempt that waits is late when it has had its top for this long. */
-#define TOP_UNUSED_MS 5000
 
 /* --- splitting --- */
 
@@ -156,23 +152,17 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
 
 /* --- twins --- */
 
-/* Does the attempt take too long?  Not while it waits for its top; once the top
- * is here it has next to nothing left to do. */
+/* Does the attempt take too long?  Not while it waits: for its top, for a loan,
+ * which has a time of its own (lending.c), or to give the unit back (yield.c).
+ */
 static bool
-is_slow(const struct coord *c, const struct job *job, uint32_t unit,
-        const struct job_go *go, uint64_t lease_floor_ms)
+is_slow(const struct coord *c, const struct job *job, const struct job_go *go,
+        uint64_t lease_floor_ms)
 {
     const struct coord_worker *w = job->workers[go->worker].worker;
-    uint64_t top_ms;
 
-    if (c->now_ms - go->out_ms <
-        (w->hangs ? c->lease_floor_ms : lease_floor_ms))
-        return false;
-    if (!go_waits(go))
-        return true;
-    top_ms = handoff_top_ms(job, unit);
-    return top_ms != 0 && c->now_ms - top_ms >= TOP_UNUSED_MS &&
-           c->now_ms - go->parked_ms >= TOP_UNUSED_MS;
+    return !go_waits(go) && c->now_ms - go->out_ms >=
+                                (w->hangs ? c->lease_floor_ms : lease_floor_ms);
 }
 
 /* Are all attempts at the unit that may still count slow? */
@@ -185,7 +175,7 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].origin != GO_LOAN && u->go[i].rows != GO_SPENT &&
             (u->go[i].state == GO_DELIVERED ||
-             !is_slow(c, job, unit, &u->go[i], lease_floor_ms)))
+             !is_slow(c, job, &u->go[i], lease_floor_ms)))
             return false;
     return true;
 }

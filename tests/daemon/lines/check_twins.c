@@ -44,6 +44,7 @@ TEST(the_first_of_twins_whose_rows_come_leads)
     result(W2, &b, 1, b.height - 1, true);
     ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
     ck_assert(f.done);
+    ck_assert_double_eq(worker_stat("ws1", "units"), 0); /* it has the credit */
 }
 
 TEST(when_the_leader_goes_one_that_sent_nothing_goes_on)
@@ -188,4 +189,23 @@ TEST(twins_do_not_overtake_each_other_for_ever)
         old = twin;
     }
     ck_assert(f.done);
+}
+
+/* The unit above begins anew meanwhile, so it is not late either.  When the top
+ * is there a worker that had no part in the job gets one. */
+TEST(one_that_waits_gets_no_twin)
+{
+    struct msg_unit b;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    b = *unit_of(W2);
+    attempt(W2, MSG_PARKED, &b);
+    wait_ms(50000);
+    replace(W1, W3);
+    wait_ms(20000);
+    ck_assert_int_eq(count(W3, MSG_JOB_START), 0);
+    base_line(W2, 0, line_above(b.y));
+    wait_ms(1000);
+    ready(W3);
+    ck_assert_uint_eq(unit_of(W3)->unit, b.unit);
 }
