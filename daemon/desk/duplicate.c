@@ -58,9 +58,8 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
 
     /* rows of an attempt of an earlier life may be of another unit: that life
      * may have given this number to a unit of which nothing was kept */
-    if (!u->hashes.row || m->attempt < unit_first_attempt(job) ||
-        u->hashes.fingerprint != job->workers[index].fingerprint ||
-        m->attempt == u->lead)
+    if (m->attempt < unit_first_attempt(job) ||
+        u->hashes.fingerprint != job->workers[index].fingerprint)
         return;
     for (uint32_t i = 0; i < m->rows && m->row + i < u->hashes.n;
          i++, at += n) {

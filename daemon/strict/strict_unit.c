@@ -110,9 +110,7 @@ strict_unit_leave(struct strict *s, struct strict_unit *u)
     while (*at != u)
         at = &(*at)->next;
     *at = u->next;
-    if (u->loan)
-        return;
-    *in_first_slot(s, u) = u->same_first;
+    *in_first_slot(s, u) = u->same_first; /* a loan is in no slot: no change */
     u->same_first = NULL;
     unlink_last(s, u);
 }
