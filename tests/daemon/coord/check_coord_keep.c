@@ -397,3 +397,21 @@ TEST(of_a_job_that_is_filed_its_end_is_kept)
     ck_assert_int_eq(coord_actions(f.c)->v[0].type, ACT_SEND_PICTURE);
     carry_out();
 }
+
+/* The connection has ended, or the job was deleted and another has its id. */
+TEST(what_was_sent_of_no_picture_is_not_fetched)
+{
+    tear_down();
+    set_up_coord(true);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    for (uint32_t u = 0; u < 4; u++) {
+        coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
+        result(WORKER, job_a, u, 1);
+    }
+    coord_fetched(f.c, f.now_ms, STRANGER, job_a, 0, MSG_WHAT_PICTURE);
+    coord_fetched(f.c, f.now_ms, ANA, job_b, 0, MSG_WHAT_PICTURE);
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 1 << 30, MSG_WHAT_PICTURE);
+    ck_assert_uint_eq(fetched_actions(), 0);
+    ck_assert_uint_eq(desk_find_job(f.c, job_a)->unfetched, 1);
+}

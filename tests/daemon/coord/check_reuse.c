@@ -10,7 +10,10 @@
 #include "registry/recover.h"
 #include "filling/passes.h"
 
+#include <errno.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 /* Of 8 by 8 pixels, each of one tile: four lattices, and what they leave. */
 enum { PASSES = 5 };
@@ -510,6 +513,15 @@ LOOP_TEST(a_job_whose_decision_is_lost_says_why, N_ELEM(lost))
 /* --- files --- */
 
 static struct folder folder;
+static bool no_sync; /* no file can be synced */
+
+/* In place of the C library's. */
+int
+fdatasync(int fd)
+{
+    errno = EIO;
+    return no_sync ? -1 : (int)syscall(SYS_fdatasync, fd);
+}
 
 static void
 set_up_folder(void)
@@ -602,6 +614,53 @@ TEST(all_passes_become_the_first_of_another_job)
     ck_assert_uint_eq(len, 55);
     ck_assert_uint_eq(bytes[50], 90);
     free(bytes);
+}
+
+/* A life that was killed may have written passes that a loss of power would
+ * take; the rows that are made by them would stay. */
+TEST(passes_that_cannot_be_synced_are_not_used)
+{
+    struct saved_pass pass[MSG_MOST_PASSES];
+    uint8_t *bytes;
+    uint32_t n;
+
+    make(job_a);
+    put_pass(job_a, 0, 1, 30);
+    no_sync = true;
+    ck_assert_int_eq(folder_read_passes(&folder, job_a, pass, &n, &bytes, NULL),
+                     RAD_EIO);
+    no_sync = false;
+    ck_assert_uint_eq(n, 0);
+    ck_assert_int_eq(folder_read_passes(&folder, job_a, pass, &n, &bytes, NULL),
+                     0);
+    ck_assert_uint_eq(n, 1);
+    free(bytes);
+}
+
+static void
+put_row(const uint8_t *job)
+{
+    float black[8 * 3] = { 0 };
+    struct action_rows key = { .rows = 1, .width = 8, .channels = 3 };
+    struct folder_pixels px = { black, sizeof black, NULL };
+
+    memcpy(key.job, job, MSG_JOB);
+    ck_assert_int_eq(folder_put_rows(&folder, &key, &px, NULL, NULL), 0);
+}
+
+/* Its folder is gone. */
+TEST(of_a_job_that_is_over_nothing_is_left_to_sync)
+{
+    make(job_a);
+    make(job_b);
+    ck_assert_int_eq(folder_sync(&folder, NULL), 0);
+    put_row(job_a);
+    put_row(job_b);
+    folder_rest(&folder, job_a);
+    ck_assert_ptr_nonnull(folder.changed);
+    folder_rest(&folder, job_b);
+    ck_assert_ptr_null(folder.changed);
+    ck_assert_int_eq(folder_sync(&folder, NULL), 0);
 }
 
 TEST(a_cache_that_lacks_a_pass_is_not_kept)

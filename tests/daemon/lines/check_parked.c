@@ -280,3 +280,26 @@ TEST(rows_that_cross_a_revoke_bring_nothing_back)
     finish(W1, &a);
     ck_assert_uint_eq(unit_of(W1)->unit, b.unit);
 }
+
+/* Its top was on its way to it, or it needs none. */
+TEST(one_that_has_its_top_is_not_parked)
+{
+    const struct job_worker *w;
+    struct msg_unit a, b;
+    struct job *job;
+
+    start(MSG_PART_STATIC, 0, 2);
+    job = desk_find_job(f.c, id);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    attempt(W1, MSG_PARKED, &a);
+    w = &job->workers[part_find(job, "ws1")];
+    ck_assert(w->parked == 0 && w->in_flight == 1);
+    base_line(W1, 0, line_above(b.y));
+    clear();
+    attempt(W2, MSG_PARKED, &b);
+    w = &job->workers[part_find(job, "ws2")];
+    ck_assert(w->parked == 0 && w->in_flight == 1);
+    wait_ms(300);
+    ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1);
+}

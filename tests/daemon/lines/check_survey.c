@@ -161,6 +161,22 @@ TEST(an_estimate_that_children_die_of_is_given_up)
     ck_assert_int_eq(count(W1, MSG_ESTIMATE), 2);
 }
 
+TEST(an_estimate_whose_last_areas_children_die_of_is_given_up)
+{
+    struct msg_estimate k;
+
+    submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "5a", 1);
+    ready(W1);
+    for (k = last(W1, MSG_ESTIMATE)->m.estimate; k.id < LINES - 1;
+         k = last(W1, MSG_ESTIMATE)->m.estimate)
+        estimated(W1, &k, k.nareas);
+    child_dies(W1);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    ck_assert_uint_eq(last(W1, MSG_ESTIMATE)->m.estimate.id, LINES - 1);
+    child_dies(W1);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 1);
+}
+
 TEST(an_estimate_that_nobody_asked_for_is_ignored)
 {
     struct msg_estimate m = { .id = UINT32_MAX, .nareas = 1 };
