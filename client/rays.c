@@ -200,9 +200,9 @@ print_line(const struct planes *p, const struct rad_rgb L[], FILE *out)
     print_colour(rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]), out);
 }
 
-static void
+static int
 trace_one(struct planes *p, const double v[6], bool irradiance, uint64_t key,
-          FILE *out)
+          FILE *out, struct rad_error *err)
 {
     struct rad_rgb L[RAD_MAX_PLANES];
 
@@ -211,8 +211,11 @@ trace_one(struct planes *p, const double v[6], bool irradiance, uint64_t key,
 
         memcpy(ray, v, sizeof ray);
         L[i] = see(&p->ctx[i], ray, irradiance, key);
+        if (p->ctx[i].scratch.lacked)
+            return rad_fail_memory(err);
     }
     print_line(p, L, out);
+    return 0;
 }
 
 static int
@@ -235,13 +238,15 @@ trace_lines(struct planes *p, bool irradiance, FILE *in, FILE *out,
         if (rc < 0)
             rad_error_where(err, "stdin:%ld", at);
         if (rc > 0)
-            trace_one(p, v, irradiance, rad_key_pixel(seed, 0, number++, 0),
-                      out);
+            rc = trace_one(p, v, irradiance,
+                           rad_key_pixel(seed, 0, number++, 0), out, err);
     }
     free(line);
-    if (rc >= 0 && ferror(in))
-        rc =
-            rad_fail(err, RAD_EIO, "cannot read the rays: %s", strerror(errno));
+    if (rc >= 0 && !feof(in)) /* getline() tells of memory by errno alone */
+        rc = errno == ENOMEM
+                 ? rad_fail_memory(err)
+                 : rad_fail(err, RAD_EIO, "cannot read the rays: %s",
+                            strerror(errno));
     if (fflush(out) != 0 && rc >= 0)
         rc = rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno));
     return rc < 0 ? rc : 0;

@@ -25,6 +25,7 @@ noinst_HEADERS = \
 	tests/lambert.h \
 	tests/made_picture.h \
 	tests/parts.h \
+	tests/scarce.h \
 	tests/scratch.h \
 	tests/unit.h \
 	tests/world.h \

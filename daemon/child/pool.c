@@ -3,6 +3,8 @@
 
 #include "child/pool_impl.h"
 
+#include "net/log.h"
+
 #include <pthread.h>
 #include <stdlib.h>
 
@@ -217,6 +219,7 @@ start_threads(struct pool *p, int nthreads, struct rad_error *err)
 
         if (rc < 0)
             return rc;
+        by->ctx.scratch.on_lack = log_out_of_memory; /* no pixel is wrong */
         by->pool = p;
         rc = uv_thread_create(&by->thread, pool_run_thread, by);
         if (rc < 0) {

@@ -7,6 +7,8 @@
 #ifndef RADD_DAEMON_RENDER_H
 #define RADD_DAEMON_RENDER_H
 
+#include <stddef.h>
+
 #define RENDER_CHILD_OPTION "--child"
 #define RENDER_LINK_FD      3
 
@@ -16,5 +18,11 @@
  * RADD: radd's process id; a child of another process ends at once. */
 #define RENDER_SANDBOXED "sandboxed"
 int render_main(int argc, char *argv[]);
+
+/* A child had no memory.  `limit` is what it may have [MiB], `own` what its job
+ * may have anywhere (--memory-mib); 0: any.  Say in text, after what is there,
+ * which limit it was.  RAD_EDATA if it was the job's, which is the same at all
+ * workers, so the job fails; RAD_ENOMEM if it was radd's or the machine's. */
+int render_blame_limit(unsigned own, unsigned limit, char *text, size_t size);
 
 #endif

@@ -2,6 +2,7 @@
  * units, TALLY and FAILED */
 #include "config.h"
 
+#include "child/render.h"
 #include "child/render_impl.h"
 
 #include "net/conn.h"
@@ -18,26 +19,20 @@
 /* Most time between tallies, so that radd sees that the loop runs. */
 #define SIGN_OF_LIFE_MS 10000
 
-/* Memory is out: change the code if the limit was the job's own (--memory-mib).
- * That is the same at all workers, so the job fails; the limits of radd and of
- * the machine are not. */
-static int
-blame_limit(const struct render *r, int code, char *text, size_t size)
+int
+render_blame_limit(unsigned own, unsigned limit, char *text, size_t size)
 {
     size_t n = strlen(text);
-    uint32_t own = r->start.job_start.memory_mib;
 
-    if (code != RAD_ENOMEM && code != UV_ENOMEM)
-        return code;
-    if (own > 0 && own == r->memory_mib) {
+    if (own > 0 && own == limit) {
         snprintf(text + n, size - n,
                  ", and the job may have %u MiB (--memory-mib)", own);
         return RAD_EDATA;
     }
-    if (r->memory_mib > 0)
+    if (limit > 0)
         snprintf(text + n, size - n,
                  ", and a job's process may have %u MiB here (memory_mib)",
-                 r->memory_mib);
+                 limit);
     return RAD_ENOMEM;
 }
 
@@ -49,7 +44,10 @@ send_failed(struct render *r, const struct rad_error *err)
     int code;
 
     rad_error_format(err, text, sizeof text);
-    code = blame_limit(r, err->code, text, sizeof text);
+    code = err->code;
+    if (code == RAD_ENOMEM || code == UV_ENOMEM)
+        code = render_blame_limit(r->start.job_start.memory_mib, r->memory_mib,
+                                  text, sizeof text);
     m.failed.job = r->id;
     m.failed.status = (uint16_t)rad_exit_status(code);
     m.failed.text = text;

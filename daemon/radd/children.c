@@ -45,7 +45,8 @@ struct child {
     int tries;
     int link; /* descriptor of the process's end, until that is started; or -1
                */
-    unsigned memory_mib;
+    unsigned memory_mib; /* 0: no limit */
+    uint32_t own_mib;    /* the limit of its job; 0: none */
     struct child *next;
     struct children *all;
     uint64_t id;
@@ -154,6 +155,15 @@ process_ended(struct child *c)
     c->state = c->state == CHILD_DIES ? CHILD_OVER : CHILD_EXITED;
 }
 
+/* The process has ended for want of memory, before it could tell. */
+static void
+blame_memory(struct child *c)
+{
+    snprintf(c->text, sizeof c->text, "out of memory");
+    c->how.status = rad_exit_status(
+        render_blame_limit(c->own_mib, c->memory_mib, c->text, sizeof c->text));
+}
+
 static void
 on_exit_cb(uv_process_t *process, int64_t status, int signum)
 {
@@ -162,7 +172,9 @@ on_exit_cb(uv_process_t *process, int64_t status, int signum)
     process_ended(c);
     if (!c->text[0])
         c->how = (struct child_end){ (int)status, signum };
-    if (!c->text[0] && signum)
+    if (!c->text[0] && !signum && status == EX_OSERR)
+        blame_memory(c);
+    else if (!c->text[0] && signum)
         snprintf(c->text, sizeof c->text, "killed by signal %d%s", signum,
                  signum == SIGKILL ? ", perhaps for want of memory" : "");
     else if (!c->text[0])
@@ -316,6 +328,7 @@ children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
     c->id = id;
     c->link = -1;
     c->how = (struct child_end){ -1, -1 };
+    c->own_mib = memory_mib;
     c->memory_mib = lower_limit(all->conf.memory_mib, memory_mib);
     uv_timer_init(&all->shell->daemon->loop, &c->again);
     c->again.data = c;

@@ -24,6 +24,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
 
 #define FIRST_REDIAL_MS 500  /* before dialling again, doubled each time */
 #define LONG_TICK_MS    1000 /* ticks further apart: the process was stopped */
@@ -201,14 +202,20 @@ worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, int status,
                    const char *text)
 {
     struct wjob *job = find_child(w, conn);
+    struct msg failed = { .type = MSG_FAILED,
+                          .failed = { NULL, (uint16_t)status, text } };
 
     w->now_ms = now_ms;
     if (!job)
         return;
-    actions_log(&w->actions, ACT_WARN, "child lost job=%s why=%s", job->hex,
-                text);
     job->child = 0;
     lossy_release(&job->to_child);
+    if (status == EX_DATAERR) {
+        worker_from_child(w, job, &failed);
+        return;
+    }
+    actions_log(&w->actions, ACT_WARN, "child lost job=%s why=%s", job->hex,
+                text);
     wjob_send_lost(w, job, status, text);
 }
 

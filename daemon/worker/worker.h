@@ -65,7 +65,8 @@ void worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
 
 /* A child ended by itself; conn is its connection, all its messages were
  * delivered.  status: its own; EX_OSERR if somebody killed it, EX_SOFTWARE if
- * it crashed.  text: "killed by signal 11", "exit status 70". */
+ * it crashed, EX_DATAERR if its job is the same everywhere.  text: "killed by
+ * signal 11", "exit status 70". */
 void worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
                         int status, const char *text);
 

@@ -96,6 +96,15 @@ push_block(struct rad_arena *a, size_t n)
     return b;
 }
 
+static void *
+lack(struct rad_arena *a)
+{
+    a->lacked = true;
+    if (a->on_lack)
+        a->on_lack();
+    return NULL;
+}
+
 void *
 rad_arena_alloc(struct rad_arena *a, size_t n)
 {
@@ -103,12 +112,12 @@ rad_arena_alloc(struct rad_arena *a, size_t n)
     void *p;
 
     if (n > SIZE_MAX - ALIGN)
-        return NULL;
+        return lack(a);
     n = (n + ALIGN - 1) & ~(ALIGN - 1);
     if (!b || n > b->size - b->used) {
         b = push_block(a, n);
         if (!b)
-            return NULL;
+            return lack(a);
     }
     p = b->data + b->used;
     b->used += n;
@@ -121,7 +130,7 @@ rad_arena_calloc(struct rad_arena *a, size_t count, size_t size)
     void *p;
 
     if (size && count > SIZE_MAX / size)
-        return NULL;
+        return lack(a);
     p = rad_arena_alloc(a, count * size);
     if (p)
         memset(p, 0, count * size);

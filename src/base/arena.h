@@ -7,6 +7,7 @@
 #ifndef RAD_BASE_ARENA_H
 #define RAD_BASE_ARENA_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 struct rad_arena_block;
@@ -17,6 +18,9 @@ struct rad_arena {
     struct rad_arena_block *spare; /* blocks that a rewind emptied */
     struct rad_arena_adopted *adopted; /* the newest first */
     size_t total;                 /* bytes allocated by malloc so far */
+    bool lacked;                  /* memory was out for an allocation */
+    void (*on_lack)(void); /* called then, and may end the process: what is
+                            * made without is wrong; NULL: nothing */
 };
 
 struct rad_arena_mark {

@@ -371,6 +371,7 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
           struct records *k, struct rad_error *err)
 {
     static const _Atomic bool never;
+    size_t before = rad_ambient_count(ctx->job->ambient);
     int rc = rad_passes_begin(p, ctx, pass, err);
 
     k->n = 0;
@@ -381,7 +382,8 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
             rc = rad_fail_memory(err);
     if (rc == 0)
         rad_ambient_insert_all(ctx->job->ambient, k->rec, k->n);
-    if (rc == 0 && (!rad_ambient_settle(ctx->job->ambient) ||
+    if (rc == 0 && (rad_ambient_count(ctx->job->ambient) != before + k->n ||
+                    !rad_ambient_settle(ctx->job->ambient) ||
                     (last && !rad_ambient_smooth(ctx->job->ambient))))
         rc = rad_fail_memory(err);
     return rc;
@@ -518,6 +520,8 @@ render_stage(struct task *t, const struct rad_params *params,
         rc = rad_frame_init(&f, job, &t->view, t->frame, t->depth != NULL, err);
         if (rc == 0)
             rc = make_stage(t, job, &ctx, &f, ask, err);
+        if (rc == 0 && ctx.scratch.lacked)
+            rc = rad_fail_memory(err);
         if (rc == 0 && t->counts)
             print_counts(&ctx.counts);
         rad_frame_release(&f);

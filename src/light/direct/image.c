@@ -468,6 +468,8 @@ relay_by_prism(struct maker *mk, int32_t i, const struct rad_mirror *m,
             code = add_image(mk, i, m, way, &f, err);
             v = rad_source_virtual(mk->s, i); /* the list may have moved */
         }
+    if (code == 0 && ctx.scratch.lacked)
+        code = rad_fail_memory(err);
     rad_ctx_release(&ctx);
     return code;
 }

@@ -258,6 +258,8 @@ rad_pretest(struct rad_job *job, const struct rad_mirrors *mirrors,
         if (test_image(&ctx, v, mirror_of(mirrors, v), mirrors->size, key))
             s->virtuals[kept++] = *v;
     }
+    if (code == 0 && ctx.scratch.lacked)
+        code = rad_fail_memory(err);
     rad_ctx_release(&ctx);
     if (code == 0)
         s->nvirtuals = kept;

@@ -533,6 +533,20 @@ TEST(a_child_killed_from_outside_leaves_no_suspects)
     ck_assert_uint_eq(f.last.lost.nunits, 0);
 }
 
+/* Its job may have too little memory, which is so at all workers. */
+TEST(a_child_may_end_for_its_jobs_fault)
+{
+    start_job();
+    child_ready();
+    unit(0);
+    worker_child_ended(f.w, f.now_ms, f.child, EX_DATAERR, "out of memory");
+    carry_out();
+    ck_assert_int_eq(f.last.type, MSG_FAILED);
+    ck_assert_int_eq(f.last.failed.status, EX_DATAERR);
+    ck_assert_mem_eq(f.last.failed.job, job_id, MSG_JOB);
+    ck_assert_str_eq(f.last.failed.text, "out of memory");
+}
+
 /* load_s is 100 */
 TEST(a_child_that_hangs_is_ended)
 {

@@ -70,6 +70,27 @@ TEST(message_keeps_both_ends)
     }
 }
 
+static int nlacks;
+
+static void
+count_lack(void)
+{
+    nlacks++;
+}
+
+TEST(arena_tells_that_memory_is_out)
+{
+    struct rad_arena a;
+
+    rad_arena_init(&a);
+    ck_assert_ptr_null(rad_arena_alloc(&a, SIZE_MAX));
+    ck_assert(a.lacked);
+    a.on_lack = count_lack;
+    ck_assert_ptr_null(rad_arena_calloc(&a, SIZE_MAX / 8, 16));
+    ck_assert_int_eq(nlacks, 1);
+    rad_arena_release(&a);
+}
+
 TEST(arena_survives_rewind_and_large_blocks)
 {
     struct rad_arena a;
