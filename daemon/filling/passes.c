@@ -549,6 +549,7 @@ count_tile(struct job *job, uint32_t pass, uint32_t index,
            const struct msg_counts *counts)
 {
     msg_counts_add(&job->passes->closed[pass].counts, counts);
+    job->workers[index].setbacks = 0;
     job->workers[index].surveyed_rays += counts->rays;
     progress_count_tiles(job, counts);
     progress_see(job);

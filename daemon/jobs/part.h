@@ -77,7 +77,7 @@ struct job_worker {
     /* loss.c */
     uint32_t load_crashes; /* children that died before READY */
     uint32_t setbacks; /* children that the worker lost for reasons of its own
-                        * since it last finished a unit */
+                        * since it last finished a unit or a tile */
     uint64_t keep_ms;  /* until when units that the worker lost are kept for it;
                         * 0: none are */
 

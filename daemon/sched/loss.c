@@ -412,6 +412,7 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
     struct job_worker *jw;
     uint32_t index, surveying;
     struct job *job = desk_job_of(c, w, m->job, &index);
+    bool blamed; /* what the child was at */
 
     if (!job)
         return;
@@ -422,14 +423,16 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
     jw = &job->workers[index];
     if (jw->state == PART_LOADING && !crashed_loading(c, job, jw, m, &to))
         return;
-    if (jw->state == PART_READY && m->nunits == 0 && !jw->surveying &&
-        tiles_out(jw) == 0 && !setback(c, job, jw, m->text, &to))
+    blamed = m->status == EX_SOFTWARE &&
+             (m->nunits > 0 || jw->surveying || tiles_out(jw) > 0);
+    if (jw->state == PART_READY && !blamed &&
+        !setback(c, job, jw, m->text, &to))
         return;
     for (uint32_t i = 0; i < m->nunits; i++)
         if (has_unit(job, index, m->units[i]) &&
             !note_crash(c, job, index, m->units[i], m->text))
             return;
-    if (tiles_out(jw) > 0 && !tiles_crashed(c, job, index, m->text))
+    if (blamed && tiles_out(jw) > 0 && !tiles_crashed(c, job, index, m->text))
         return;
     surveying = jw->surveying;
     loss_all(c, job, index, to);

@@ -443,6 +443,30 @@ TEST(a_tile_that_brings_children_down_fails_the_job)
                                  "down"));
 }
 
+/* Nobody knows what else was on the machine that killed it. */
+TEST(a_tile_is_not_blamed_for_a_child_that_was_killed)
+{
+    struct msg lost = { .type = MSG_LOST,
+                        .lost = { job_a, EX_OSERR, "signal 9", 0, NULL } };
+    int times = 0;
+
+    submit_passes(ANA, &wide, 1);
+    ready(WORKER, job_a);
+    for (; times < 3 * JOB_MAX_CRASHES; times++) {
+        ck_assert(has_tile(WORKER));
+        if (times % JOB_MAX_CRASHES == 0) /* which is no setback */
+            make(WORKER, f.last[WORKER].tile.pass, f.last[WORKER].tile.tile, 0);
+        say(WORKER, &lost);
+        ready(WORKER, job_a);
+    }
+    for (times = 1; times < 10 && f.last[ANA].type != MSG_FAILED; times++) {
+        say(WORKER, &lost);
+        ready(WORKER, job_a);
+    }
+    ck_assert_int_eq(f.last[ANA].failed.status, EX_UNAVAILABLE);
+    ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text, "signal 9"));
+}
+
 /* A child that knows passes of an earlier life begins anew. */
 TEST(a_worker_that_is_ahead_begins_anew)
 {
