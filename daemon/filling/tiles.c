@@ -31,7 +31,7 @@ tiles_close(struct passes *s, uint32_t pass)
 {
     struct sheet *k = passes_sheet(s, pass);
 
-    for (uint32_t i = 0; i < k->ntiles; i++)
+    for (uint32_t i = 0; k->tile && i < k->ntiles; i++)
         free(k->tile[i].records);
     free(k->tile);
     free(k->order);

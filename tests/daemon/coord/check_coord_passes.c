@@ -3,6 +3,8 @@
 
 #include "coord_passes_fixture.h"
 
+#include "tests/scarce.h"
+
 #include "filling/dearest.h"
 #include "filling/tiles.h"
 #include "jobs/progress.h"
@@ -465,6 +467,23 @@ TEST(a_tile_is_not_blamed_for_a_child_that_was_killed)
     }
     ck_assert_int_eq(f.last[ANA].failed.status, EX_UNAVAILABLE);
     ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text, "signal 9"));
+}
+
+/* Whichever allocation fails when the passes begin. */
+TEST(what_lacks_memory_is_freed)
+{
+    struct msg m = { .type = MSG_READY, .ready = { job_a, .1, 7, 0, 0 } };
+    long n = 0;
+
+    do {
+        tear_down();
+        set_up();
+        submit_passes(ANA, &wide, 1);
+        scarce_at = ++n;
+        coord_message(f.c, ++f.now_ms, WORKER, &m);
+    } while (scarce_at == 0);
+    scarce_at = 0;
+    ck_assert(RAD_SANITIZED || n > 20);
 }
 
 /* A child that knows passes of an earlier life begins anew. */
