@@ -153,8 +153,12 @@ rad_xml_parse(struct rad_arena *arena, const char *xml, size_t len,
     XML_SetElementHandler(in.xml, start_element, end_element);
     XML_SetCharacterDataHandler(in.xml, add_text);
     XML_SetEntityDeclHandler(in.xml, refuse_entity);
-    if (XML_Parse(in.xml, xml, (int)len, 1) == XML_STATUS_ERROR)
-        fail(&in, RAD_EDATA, XML_ErrorString(XML_GetErrorCode(in.xml)));
+    if (XML_Parse(in.xml, xml, (int)len, 1) == XML_STATUS_ERROR) {
+        enum XML_Error code = XML_GetErrorCode(in.xml);
+
+        fail(&in, code == XML_ERROR_NO_MEMORY ? RAD_ENOMEM : RAD_EDATA,
+             XML_ErrorString(code));
+    }
     XML_ParserFree(in.xml);
     free(in.text);
     return in.failed ? NULL : in.root;
