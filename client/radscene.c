@@ -43,13 +43,19 @@ static const char help_text[] =
     "band by band\n"
     "  --commands  run the commands of an octree's scene files, too\n";
 
+/* The last error and the last warning that were printed. */
+struct told {
+    char last[2][600];
+};
+
 /* Print an error or a warning, unless it is the same as the last of its kind.
  * Objects of an octree have no lines, so a thousand of them that lack a file
  * give the same message. */
 static void
-print_new(const struct rad_error *err, char last[600])
+print_each(void *arg, const struct rad_error *err)
 {
-    char message[600];
+    struct told *told = arg;
+    char message[600], *last = told->last[err->code == RAD_WARNING];
 
     rad_error_format(err, message, sizeof message);
     if (strcmp(message, last) == 0)
@@ -57,25 +63,6 @@ print_new(const struct rad_error *err, char last[600])
     strcpy(last, message);
     fprintf(stderr, "radscene: %s%s\n",
             err->code == RAD_WARNING ? "warning: " : "", message);
-}
-
-static void
-print_error(const struct rad_error *err)
-{
-    print_new(err, (char[600]){ 0 });
-}
-
-/* The last error and the last warning that were printed. */
-struct told {
-    char last[2][600];
-};
-
-static void
-print_each(void *arg, const struct rad_error *err)
-{
-    struct told *told = arg;
-
-    print_new(err, told->last[err->code == RAD_WARNING]);
 }
 
 /* Keep the first error, but for types that the renderer lacks. */
@@ -247,8 +234,6 @@ run_check(struct compiled *c, struct rad_error *err)
 {
     int rc = compile_check(c, err);
 
-    if (rc)
-        print_error(err); /* errors of reading were printed before */
     say_warnings(c);
     return rc;
 }
@@ -308,8 +293,8 @@ static const struct subcommand {
     { "freeze", false, run_freeze },
 };
 
-/* Run a subcommand; argv has its name and its files.  If a failure was printed,
- * *err has no code. */
+/* Run a subcommand; argv has its name and its files.  If an error of reading
+ * was printed *err has no code: want of memory may end reading without one. */
 static int
 run_on_files(const struct subcommand *sub, int argc, char **argv,
              struct rad_error *err)
@@ -334,7 +319,7 @@ run_on_files(const struct subcommand *sub, int argc, char **argv,
         rc = sub->run(&c, err);
         compile_release(&c);
     }
-    if (rc && sub->strict)
+    if (told.last[0][0])
         memset(err, 0, sizeof *err);
     return rc;
 }
@@ -371,6 +356,6 @@ main(int argc, char **argv)
     if (!rc)
         rc = tell_printed(&err);
     if (rc && err.code)
-        print_error(&err);
+        print_each(&(struct told){ 0 }, &err);
     return rad_exit_status(rc);
 }
