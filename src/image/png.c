@@ -40,6 +40,17 @@ fail(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
+static png_voidp
+get_memory(png_structp png, png_alloc_size_t n)
+{
+    struct writer *w = png_get_mem_ptr(png);
+    void *p = malloc(n);
+
+    if (!p && w->rc == 0)
+        w->rc = rad_fail_memory(w->err);
+    return p;
+}
+
 static void
 no_warning(png_structp png, png_const_charp message)
 {
@@ -65,8 +76,8 @@ rad_png_rows(const struct rad_png *p, rad_png_row_fn *fn, void *arg,
              const struct rad_sink *sink, struct rad_error *err)
 {
     struct writer w = { sink, err, 0 };
-    png_structp png =
-        png_create_write_struct(PNG_LIBPNG_VER_STRING, &w, fail, no_warning);
+    png_structp png = png_create_write_struct_2(
+        PNG_LIBPNG_VER_STRING, &w, fail, no_warning, &w, get_memory, NULL);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     uint8_t *row = malloc((size_t)p->width * 3 * (size_t)(p->bits / 8));
 
