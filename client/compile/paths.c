@@ -5,6 +5,7 @@
 
 #include "base/list.h"
 
+#include <limits.h>
 #include <pwd.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -77,92 +78,95 @@ readable(const char *path)
            access(path, R_OK) == 0;
 }
 
-/* The path folder[0..len)/name if it can be read, malloc'd; else NULL.  An
+/* Put the path folder[0..len)/name into path; false: it cannot be read.  An
  * empty folder means the current one. */
-static char *
-try_folder(const char *folder, size_t len, const char *name)
+static bool
+try_folder(const char *folder, size_t len, const char *name,
+           char path[PATH_MAX])
 {
-    char *path;
-    int n = len ? asprintf(&path, "%.*s/%s", (int)len, folder, name)
-                : asprintf(&path, "%s", name);
+    int n = snprintf(path, PATH_MAX, "%.*s%s%s", (int)len, folder,
+                     len ? "/" : "", name);
 
-    if (n < 0)
-        return NULL;
-    if (readable(path))
-        return path;
-    free(path);
-    return NULL;
+    return n >= 0 && n < PATH_MAX && readable(path);
 }
 
 /* Look in an entry of RAYPATH, entry[0..len).  A relative one is first taken
  * from each of the scene's folders. */
-static char *
+static bool
 try_entry(const struct paths *p, const char *entry, size_t len,
-          const char *name)
+          const char *name, char path[PATH_MAX])
 {
     bool here = len == 0 || (len == 1 && entry[0] == '.');
-    char *path = NULL, *folder;
+    char folder[PATH_MAX];
 
-    for (int i = 0; i < p->n && !path && entry[0] != '/'; i++) {
-        int n =
-            here ? asprintf(&folder, "%s", p->folders[i])
-                 : asprintf(&folder, "%s/%.*s", p->folders[i], (int)len, entry);
+    for (int i = 0; i < p->n && entry[0] != '/'; i++) {
+        int n = here ? snprintf(folder, sizeof folder, "%s", p->folders[i])
+                     : snprintf(folder, sizeof folder, "%s/%.*s", p->folders[i],
+                                (int)len, entry);
 
-        if (n < 0)
-            return NULL;
-        path = try_folder(folder, (size_t)n, name);
-        free(folder);
+        if (n >= 0 && n < PATH_MAX && try_folder(folder, (size_t)n, name, path))
+            return true;
     }
-    return path ? path : try_folder(entry, len, name);
+    return try_folder(entry, len, name, path);
 }
 
 /* ~/name, ~user/name */
-static char *
-try_home(const char *name)
+static bool
+try_home(const char *name, char path[PATH_MAX])
 {
     size_t n = strcspn(name + 1, "/");
-    char *user = strndup(name + 1, n);
+    char user[LOGIN_NAME_MAX];
     const char *home = NULL;
 
-    if (!user)
-        return NULL;
     if (n == 0) {
         home = getenv("HOME");
-    } else {
-        const struct passwd *pw = getpwnam(user);
+    } else if (n < sizeof user) {
+        const struct passwd *pw;
 
+        memcpy(user, name + 1, n);
+        user[n] = '\0';
+        pw = getpwnam(user);
         home = pw ? pw->pw_dir : NULL;
     }
-    free(user);
     name += 1 + n;
     name += *name == '/';
-    return home ? try_folder(home, strlen(home), name) : NULL;
+    return home && try_folder(home, strlen(home), name, path);
 }
 
+/* Look in each entry of RAYPATH. */
+static bool
+try_entries(const struct paths *p, const char *name, char path[PATH_MAX])
+{
+    for (const char *entry = p->raypath;;) {
+        size_t len = strcspn(entry, ":");
+
+        if (try_entry(p, entry, len, name, path))
+            return true;
+        if (entry[len] == '\0')
+            return false;
+        entry += len + 1;
+    }
+}
+
+/* Want of memory is no reason to look further: another file may have the name
+ * there. */
 char *
 paths_find(const struct paths *p, const char *name, struct rad_error *err)
 {
-    const char *entry = p->raypath;
-    char *path = NULL;
+    char path[PATH_MAX], *found;
+    bool is_there = name[0] == '/'   ? try_folder("", 0, name, path)
+                    : name[0] == '~' ? try_home(name, path)
+                    : name[0] == '.' ? try_entry(p, "", 0, name, path)
+                                     : try_entries(p, name, path);
 
-    if (name[0] == '/')
-        path = try_folder("", 0, name);
-    else if (name[0] == '~')
-        path = try_home(name);
-    else if (name[0] == '.')
-        path = try_entry(p, "", 0, name);
-    else
-        for (;;) {
-            size_t len = strcspn(entry, ":");
-
-            path = try_entry(p, entry, len, name);
-            if (path || entry[len] == '\0')
-                break;
-            entry += len + 1;
-        }
-    if (!path)
+    if (!is_there) {
         rad_fail(err, RAD_ENOINPUT, "cannot find file '%s'", name);
-    return path;
+        return NULL;
+    }
+    found = strdup(path);
+    if (!found)
+        rad_fail_memory(err);
+    return found;
 }
 
 /* The path of a file of the scene, which is noted as an input; to be freed. */

@@ -34,7 +34,8 @@ int paths_add_file(struct paths *p, const char *scene_file,
  * out. */
 char *paths_folder_of(const char *file);
 
-/* The path of a readable file, malloc'd; NULL with RAD_ENOINPUT. */
+/* The path of a readable file, malloc'd; NULL with RAD_ENOINPUT, or RAD_ENOMEM
+ * if it is there. */
 char *paths_find(const struct paths *p, const char *name,
                  struct rad_error *err);
 

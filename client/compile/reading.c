@@ -10,6 +10,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -163,18 +164,17 @@ failed(const struct reading *r, const struct rad_error *err)
 static char *
 find_scene_file(struct reading *r, const char *name, struct rad_error *err)
 {
-    char *path = NULL;
+    char path[PATH_MAX], *found;
+    int n = snprintf(path, sizeof path, "%s/%s", r->folder, name);
+    bool beside = name[0] != '/' && n < PATH_MAX && access(path, R_OK) == 0;
 
-    if (name[0] != '/' && asprintf(&path, "%s/%s", r->folder, name) < 0)
-        path = NULL;
-    if (path && access(path, R_OK) == 0) {
-        r->beside = true;
-        return path;
-    }
-    free(path);
-    if (access(name, R_OK) == 0)
-        return strdup(name);
-    return paths_find(&r->c->paths, name, err);
+    r->beside |= beside;
+    if (!beside && access(name, R_OK) < 0)
+        return paths_find(&r->c->paths, name, err);
+    found = strdup(beside ? path : name);
+    if (!found)
+        rad_fail_memory(err);
+    return found;
 }
 
 /* A command that an octree names runs in the current folder, as with Radiance:

@@ -29,6 +29,7 @@ SHELL_TESTS = \
 	tests/e2e/launch_real.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
+	tests/e2e/no_memory.sh \
 	tests/e2e/other_libm.sh \
 	tests/e2e/oversample_memory.sh \
 	tests/e2e/owners.sh \

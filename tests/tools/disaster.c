@@ -23,6 +23,8 @@
  *   DISASTER_ROOM          a file: as long as it is there, the disk is full
  *   DISASTER_SLEPT         a file: how many seconds the machine has slept
  *   DISASTER_CLOCK         a file: how many seconds the system's clock is ahead
+ *   DISASTER_EARLY         any: what the process allocates before it listens
+ *                          counts as well
  *
  * Programs that write through stdio are not seen. */
 #include "config.h"
@@ -91,6 +93,16 @@ set_up(void)
     for (int i = 0; i <= FULL && *rest == ':'; i++)
         if (strcmp(rest + 1, whats[i]) == 0)
             what = (enum what)i;
+}
+
+/* Not in set_up(), which may first run in an allocation. */
+__attribute__((constructor)) static void
+begin_early(void)
+{
+    if (!getenv("DISASTER_EARLY"))
+        return;
+    set_up();
+    listening = true;
 }
 
 static void *
