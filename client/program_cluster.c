@@ -74,12 +74,8 @@ program_cluster_alive(void *arg, struct rad_error *err)
 {
     struct program *p = arg;
 
-    if (p->cluster.launch)
-        return launch_alive(p->cluster.launch, err);
-    if (local_alive(p->cluster.local))
-        return 0;
-    return rad_fail(err, RAD_EINTERNAL,
-                    "the cluster on this machine has ended");
+    return p->cluster.launch ? launch_alive(p->cluster.launch, err)
+                             : local_alive(p->cluster.local, err);
 }
 
 /* Those of --local will be there soon. */

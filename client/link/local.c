@@ -18,6 +18,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
+#include <sysexits.h>
 #include <unistd.h>
 #include <uv.h>
 
@@ -42,6 +43,7 @@ struct local {
     pid_t keeper;
     pid_t coordinator;
     pid_t *workers; /* nworkers pids; 0: has ended */
+    bool scarce;    /* a daemon has ended for want of memory */
     int nworkers;
 };
 
@@ -208,10 +210,14 @@ open_notify(struct local *l, struct rad_error *err)
 
 /* Has the process ended?  If so *pid becomes 0. */
 static bool
-ended(pid_t *pid)
+ended(struct local *l, pid_t *pid)
 {
-    if (*pid > 0 && waitpid(*pid, NULL, WNOHANG) == *pid)
+    int how;
+
+    if (*pid > 0 && waitpid(*pid, &how, WNOHANG) == *pid) {
+        l->scarce |= WIFEXITED(how) && WEXITSTATUS(how) == EX_OSERR;
         *pid = 0;
+    }
     return *pid == 0;
 }
 
@@ -246,8 +252,8 @@ look_for_ready(struct local *l, const struct link_where *where,
         if (poll(&fd, 1, LOOK_MS) > 0) {
             if (said_ready(l))
                 return 0;
-        } else if (ended(&l->coordinator)) {
-            return rad_fail(err, RAD_EUNAVAIL,
+        } else if (ended(l, &l->coordinator)) {
+            return rad_fail(err, l->scarce ? RAD_ENOMEM : RAD_EUNAVAIL,
                             "radcoord ended before it was ready");
         }
     }
@@ -439,7 +445,7 @@ local_workers(struct local *l)
     int n = 0;
 
     for (int i = 0; i < l->nworkers; i++)
-        n += !ended(&l->workers[i]);
+        n += !ended(l, &l->workers[i]);
     return n;
 }
 
@@ -459,13 +465,17 @@ kill_one(pid_t *pid)
 bool
 local_coordinated(struct local *l)
 {
-    return !ended(&l->coordinator);
+    return !ended(l, &l->coordinator);
 }
 
-bool
-local_alive(struct local *l)
+int
+local_alive(struct local *l, struct rad_error *err)
 {
-    return local_coordinated(l) && local_workers(l) > 0;
+    if (local_coordinated(l) && local_workers(l) > 0)
+        return 0;
+    return rad_fail(err, l->scarce ? RAD_ENOMEM : RAD_EINTERNAL,
+                    "the cluster on this machine has ended%s",
+                    l->scarce ? ": out of memory" : "");
 }
 
 void
@@ -475,7 +485,7 @@ local_end_coordinator(struct local *l)
 
     if (l->coordinator > 0)
         kill(l->coordinator, SIGTERM);
-    while (!ended(&l->coordinator) && now_ms() < until)
+    while (!ended(l, &l->coordinator) && now_ms() < until)
         poll(NULL, 0, 1);
     kill_one(&l->coordinator);
 }
@@ -483,10 +493,10 @@ local_end_coordinator(struct local *l)
 static bool
 all_ended(struct local *l)
 {
-    bool all = ended(&l->coordinator);
+    bool all = ended(l, &l->coordinator);
 
     for (int i = 0; i < l->nworkers; i++)
-        all &= ended(&l->workers[i]);
+        all &= ended(l, &l->workers[i]);
     return all;
 }
 

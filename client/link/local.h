@@ -59,8 +59,9 @@ void local_share(const struct local *l, const struct cargo *cargo);
 /* The coordinator's address. */
 const struct target *local_target(const struct local *l);
 
-/* Do the coordinator and a worker still run? */
-bool local_alive(struct local *l);
+/* 0 if the coordinator and a worker still run; else RAD_ENOMEM if a daemon had
+ * no memory, or RAD_EINTERNAL. */
+int local_alive(struct local *l, struct rad_error *err);
 
 /* How many workers still run? */
 int local_workers(struct local *l);
