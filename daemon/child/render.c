@@ -11,6 +11,7 @@
 #include "machine/fingerprint.h"
 #include "net/log.h"
 #include "child/sandbox.h"
+#include "ground/service.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -267,7 +268,12 @@ render_main(int argc, char *argv[])
         log_err("%s", err.what);
         return rad_exit_status(err.code);
     }
-    uv_loop_init(&r.loop);
+    service_catch_no_memory();
+    rc = uv_loop_init(&r.loop);
+    if (rc < 0) {
+        log_err("cannot start: %s", uv_strerror(rc));
+        return EX_OSERR;
+    }
     uv_timer_init(&r.loop, &r.drain);
     uv_timer_init(&r.loop, &r.teller);
     uv_timer_init(&r.loop, &r.ticker);

@@ -112,8 +112,8 @@ need(void *p)
     return p;
 }
 
-static void *
-need_malloc(size_t n)
+void *
+service_malloc(size_t n)
 {
     return need(malloc(n));
 }
@@ -137,7 +137,7 @@ crypto_malloc(size_t n, const char *file, int line)
 {
     (void)file;
     (void)line;
-    return n > 0 ? need_malloc(n) : NULL;
+    return n > 0 ? service_malloc(n) : NULL;
 }
 
 static void *
@@ -160,7 +160,7 @@ void
 service_catch_no_memory(void)
 {
     CRYPTO_set_mem_functions(crypto_malloc, crypto_realloc, crypto_free);
-    uv_replace_allocator(need_malloc, need_realloc, need_calloc, free);
+    uv_replace_allocator(service_malloc, need_realloc, need_calloc, free);
 }
 
 int

@@ -5,8 +5,10 @@
 
 #include "web/confine.h"
 
+#include <jansson.h>
 #include <sched.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sysexits.h>
@@ -128,6 +130,7 @@ start(void *arg, struct rad_error *err)
     give_way();
     take_credentials(&r->set);
     service_return_memory(); /* of pictures */
+    json_set_alloc_funcs(service_malloc, free);
     if (radweb_read_token(r, err) < 0 || radweb_check_listen(r, err) < 0)
         return err->code;
     r->session = session_new(&r->daemon.loop, &conf);
