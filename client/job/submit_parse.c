@@ -47,7 +47,11 @@ take_view_file(struct cursor *c)
                       "cannot open view file '%s': %s", path, strerror(errno));
     } else {
         n = fread(text, 1, LONGEST, f);
-        rc = inputs_add_fd(&c->w->inputs, "the view file", fileno(f), c->err);
+        rc = ferror(f)
+                 ? rad_fail(c->err, RAD_ENOINPUT,
+                            "cannot read the view file: %s", strerror(errno))
+                 : inputs_add_fd(&c->w->inputs, "the view file", fileno(f),
+                                 c->err);
         if (rc == 0)
             rc = rad_view_read(&c->o->view, text, n, c->err);
         if (rc == 0)

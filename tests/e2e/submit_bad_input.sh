@@ -37,6 +37,7 @@ expect 65 "random.rad" "random bytes" $r random.rad
 expect 65 "random.oct" "random bytes as an octree" $r random.oct
 expect 65 "bad.vf" "bad view file" $r -vf bad.vf "$room"
 expect 66 "missing.vf" "missing view file" $r -vf missing.vf "$room"
+expect 66 "cannot read the view file" "a folder for a view" $r -vf . "$room"
 expect 64 "no photon maps" "an option of rpict that is not there" \
     $r -ap map "$room"
 expect 64 "'-e'" "an expression" $r -e 'a:3' "$room"
