@@ -261,8 +261,7 @@ run_command(struct launch *l, const char *text, const char *line, char **env,
     rc = programs_spawn(&one->pid, (char *const *)argv, env, in, -1);
     close(in);
     if (rc != 0)
-        return rad_fail(err, RAD_EINTERNAL, "cannot start '%s': %s", argv[0],
-                        strerror(rc));
+        return programs_not_started(argv[0], rc, err);
     local_note_group(l->local, one->pid, false);
     l->n++;
     return 0;

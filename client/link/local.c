@@ -186,10 +186,7 @@ start(pid_t *pid, const struct local *l, const char *name,
                         "'%s' is not installed here: name a coordinator "
                         "(--coordinator), or install it",
                         name);
-    if (rc != 0)
-        return rad_fail(err, RAD_EINTERNAL, "cannot start '%s': %s", path,
-                        strerror(rc));
-    return 0;
+    return rc != 0 ? programs_not_started(path, rc, err) : 0;
 }
 
 /* --- readiness --- */

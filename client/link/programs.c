@@ -3,6 +3,7 @@
 
 #include "link/programs.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
@@ -124,4 +125,14 @@ programs_spawn(pid_t *pid, char *const argv[], char **env, int in, int keep)
     posix_spawn_file_actions_destroy(&fa);
     posix_spawnattr_destroy(&attr);
     return rc;
+}
+
+int
+programs_not_started(const char *path, int number, struct rad_error *err)
+{
+    bool lack = number == EAGAIN || number == ENOMEM || number == EMFILE ||
+                number == ENFILE;
+
+    return rad_fail(err, lack ? RAD_ENOMEM : RAD_EINTERNAL,
+                    "cannot start '%s': %s", path, strerror(number));
 }

@@ -6,6 +6,8 @@
 #ifndef RADD_CLIENT_PROGRAMS_H
 #define RADD_CLIENT_PROGRAMS_H
 
+#include "base/error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/types.h>
@@ -27,5 +29,9 @@ char **programs_environment(char *setting);
 #define PROGRAMS_KEPT 3
 int programs_spawn(pid_t *pid, char *const argv[], char **env, int in,
                    int keep);
+
+/* Tell of such a code: RAD_ENOMEM if processes, memory or descriptors are out.
+ */
+int programs_not_started(const char *path, int number, struct rad_error *err);
 
 #endif
