@@ -256,34 +256,50 @@ ask_picture(struct watch *w)
 
 /* --- details --- */
 
-static void
+/* Take the job's row; false: it says nothing new, or is another's. */
+static bool
 take_detail(struct watch *w, json_t *row)
 {
-    if (!json_is_object(row) ||
-        strcmp(markup_member(row, "job"), w->hex) != 0) {
+    if (strcmp(markup_member(row, "job"), w->hex) != 0 ||
+        json_equal(row, w->detail)) {
         json_decref(row);
-        return;
+        return false;
     }
     json_decref(w->detail);
     w->detail = row;
+    w->gone = false;
+    return true;
+}
+
+/* The coordinator has no such job (any more), and says why. */
+static bool
+take_absence(struct watch *w, const char *why)
+{
+    if (w->gone)
+        return false;
+    json_decref(w->detail);
+    w->detail = NULL;
+    w->gone = true;
+    rad_text_print(w->note, sizeof w->note, "%s", why);
+    return true;
 }
 
 static void
 on_detail(void *arg, const struct session_answer *a)
 {
     struct watch *w = arg;
+    bool news = false;
 
     w->row.out = false;
     w->row.answered = true;
     w->row.due_ms = uv_now(w->all->loop) + DETAIL_MS;
-    if (a->status == 0) {
-        take_detail(w, json_loadb((const char *)a->bytes, a->n, 0, NULL));
-    } else if (a->status == EX_NOINPUT) { /* the job was forgotten */
-        json_decref(w->detail);
-        w->detail = NULL;
-        rad_text_print(w->note, sizeof w->note, "%s", a->text);
-    }
-    note_change(w);
+    if (a->status == 0)
+        news =
+            take_detail(w, json_loadb((const char *)a->bytes, a->n, 0, NULL));
+    else if (a->status == EX_NOINPUT)
+        news = take_absence(w, a->text);
+    if (news)
+        note_change(w);
 }
 
 static void

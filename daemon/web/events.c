@@ -59,7 +59,7 @@ home_event(struct radweb *r)
     struct radweb_sheet *s = &r->event;
     struct markup m = { 0 };
 
-    if (!s->blob || s->version != r->model.version) {
+    if (!s->blob || s->version != r->model.version || !r->model.up) {
         page_home(&m, &r->model);
         blob_unref(s->blob);
         s->blob = make_event(&m);
@@ -73,7 +73,7 @@ job_event(struct radweb *r, struct watch *w)
 {
     struct markup m = { 0 };
 
-    if (!w->event || w->event_version != w->version) {
+    if (!w->event || w->event_version != w->version || !r->model.up) {
         page_job(&m, &r->model, w);
         blob_unref(w->event);
         w->event = make_event(&m);
@@ -92,7 +92,8 @@ version_of(const struct stream *s)
 static void
 take_event(struct stream *s)
 {
-    if (s->version == version_of(s) || (s->watch && !s->watch->detail) ||
+    if (s->version == version_of(s) ||
+        (s->watch && !s->watch->detail && !s->watch->gone) ||
         blob_alive() > BLOB_MOST)
         return;
     s->version = version_of(s);
@@ -210,6 +211,8 @@ events_tick(struct radweb *r)
             continue;
         s->sent_ms = now;
         s->sign = true;
+        if (!r->model.up)
+            s->version = UINT64_MAX; /* the age of the data has changed */
         go_on(s);
     }
 }

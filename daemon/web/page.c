@@ -51,22 +51,31 @@ page_error(struct markup *m, unsigned status, const char *text)
 }
 
 void
-page_trouble(struct markup *m, const struct model *c)
+page_trouble(struct markup *m, const struct model *c, const struct watch *w)
 {
+    /* what is told once is an alert; the age, which changes, is none */
     markup_raw(m, "<section id=\"trouble\">");
     if (!c->up) {
-        markup_raw(m, "<p class=\"trouble\">The coordinator cannot be asked: ");
+        markup_raw(m,
+                   "<p class=\"trouble\"><span role=\"alert\">The coordinator "
+                   "cannot be asked: ");
         markup_text(m, session_why(c->session));
+        markup_raw(m, ".</span>");
         if (c->asked_ms) {
-            markup_raw(m, ". What is shown is ");
+            markup_raw(m, " What is shown is ");
             markup_span(m, (double)(uv_now(c->loop) - c->asked_ms) / 1000);
-            markup_raw(m, " old");
+            markup_raw(m, " old.");
         }
+        markup_raw(m, "</p>");
+    }
+    if (w && w->gone) {
+        markup_raw(m, "<p class=\"trouble\" role=\"alert\">This job is gone: ");
+        markup_text(m, w->note);
         markup_raw(m, ".</p>");
     }
     if (json_is_true(json_object_get(c->status, "disk_full")))
-        markup_raw(m, "<p class=\"trouble\">The coordinator&#39;s disk is "
-                      "full: jobs are held.</p>");
+        markup_raw(m, "<p class=\"trouble\" role=\"alert\">The "
+                      "coordinator&#39;s disk is full: jobs are held.</p>");
     markup_raw(m, "</section>\n");
 }
 

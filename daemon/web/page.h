@@ -18,16 +18,18 @@
 void page_begin(struct markup *m, const char *title, const char *events);
 void page_end(struct markup *m);
 
-/* Write the sections of the cluster's page; of a job's page, whose w->detail
- * must be known. */
+/* Write the sections of the cluster's page; of a job's page.  Of a job that is
+ * gone this is a warning alone, for a page that shows the job to keep. */
 void page_home(struct markup *m, const struct model *c);
 void page_job(struct markup *m, const struct model *c, const struct watch *w);
 
 /* Write a whole page with an HTTP status and the reason. */
 void page_error(struct markup *m, unsigned status, const char *text);
 
-/* Write a warning, while the coordinator is away. */
-void page_trouble(struct markup *m, const struct model *c);
+/* Write what is wrong: the coordinator is away, its disk is full, the page's
+ * job (w; NULL: the page has none) is gone. */
+void page_trouble(struct markup *m, const struct model *c,
+                  const struct watch *w);
 /* Write the state of a job or of a worker, with its colour. */
 void page_state(struct markup *m, const char *state);
 /* Write a job's progress, as a bar and in per cent. */

@@ -195,7 +195,7 @@ put_workers(struct markup *m, const struct model *c)
 void
 page_home(struct markup *m, const struct model *c)
 {
-    page_trouble(m, c);
+    page_trouble(m, c, NULL);
     put_summary(m, c);
     put_jobs(m, c);
     markup_raw(m, "<section id=\"history\"><h2>Last hour</h2>");

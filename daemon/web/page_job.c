@@ -348,7 +348,9 @@ put_command(struct markup *m, const struct watch *w)
 void
 page_job(struct markup *m, const struct model *c, const struct watch *w)
 {
-    page_trouble(m, c);
+    page_trouble(m, c, w);
+    if (w->gone)
+        return;
     put_head(m, w);
     put_picture(m, w);
     put_units(m, w);

@@ -279,11 +279,9 @@ send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
         session_is_up(r->session))
         return put_off(r, c, w, p->picture, state);
     if (!w->detail)
-        return answer_error(
-            c,
-            w->row.answered ? MHD_HTTP_NOT_FOUND : MHD_HTTP_SERVICE_UNAVAILABLE,
-            w->row.answered ? "there is no such job"
-                            : "the coordinator cannot be asked now");
+        return w->gone ? answer_error(c, MHD_HTTP_NOT_FOUND, w->note)
+                       : answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,
+                                      "the coordinator cannot be asked now");
     return p->send(r, c, w);
 }
 

@@ -74,6 +74,9 @@ grep -q 'not fetched' one || fail "what an observer fetched counts"
 ask command "$url" >command
 (sh -n command) || fail "the command line is no shell's"
 
+ask gone "$url" "$id" "$radctl" --coordinator="$tcp" --key="$work/admin.key" \
+    delete "$id"
+
 # --- those who mean harm ---
 ask garbage "$url"
 try slow "$url" &
@@ -110,6 +113,7 @@ until_true 10 test -e open || fail "no page is open"
 kill "$pid_1" "$coord_pid"
 wait "$pid_1" "$coord_pid"
 until_true 20 try away "$url" || fail "the page does not say that it is away"
+ask grows_old "$url"
 coord_again
 until_true 40 try back "$url" || fail "it does not dial again"
 kill "$web"

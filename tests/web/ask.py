@@ -410,6 +410,40 @@ def restart_begin():
             return
 
 
+def stream(path):
+    """The events of a page, as they come."""
+    s = dial()
+    s.sendall(b"GET %s HTTP/1.1\r\nHost: localhost\r\n\r\n" % path.encode())
+    s.settimeout(30)
+    said = ""
+    while True:
+        piece = s.recv(1 << 16)
+        assert piece, "the stream has ended: " + said[-300:]
+        said += piece.decode(errors="replace")
+        yield said
+
+
+def gone():
+    """An open page of a job that is deleted says so; so does a bookmark."""
+    path, words = "/jobs/" + rest[0], rest[1:]
+    for said in stream(path + "/events"):
+        if "This job is gone" in said:
+            break
+        if words and "<h1>" in said:
+            subprocess.run(words, check=True)
+            words = None
+    r, body = get(path)
+    assert r.status == 404 and b"no job" in body, body
+
+
+def grows_old():
+    """While the coordinator is away an open page tells how old its data are."""
+    for said in stream("/events"):
+        ages = set(re.findall(r"What is shown is ([^<]+) old", said))
+        if len(ages) > 1:
+            return
+
+
 def away():
     assert "cannot be asked" in text("/")
     assert not json.loads(text("/api/v1/status.json"))["up"]
