@@ -77,10 +77,11 @@ answer_text(struct MHD_Connection *c, unsigned status, const char *type,
 }
 
 enum MHD_Result
-answer_error(struct MHD_Connection *c, unsigned status, const char *text)
+answer_error(struct MHD_Connection *c, const char *path, unsigned status,
+             const char *text)
 {
     struct markup m = { 0 };
 
-    page_error(&m, status, text);
+    page_error(&m, path, status, text);
     return answer_text(c, status, "text/html; charset=utf-8", &m);
 }

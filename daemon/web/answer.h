@@ -17,9 +17,9 @@ enum MHD_Result answer_blob(struct MHD_Connection *c, unsigned status,
                             const char *type, struct blob *b);
 enum MHD_Result answer_text(struct MHD_Connection *c, unsigned status,
                             const char *type, struct markup *m);
-/* Queue a page that says why the browser gets no other page. */
-enum MHD_Result answer_error(struct MHD_Connection *c, unsigned status,
-                             const char *text);
+/* Queue a page that says why the browser gets no other page at the path. */
+enum MHD_Result answer_error(struct MHD_Connection *c, const char *path,
+                             unsigned status, const char *text);
 
 /* Make a blob of the text, and m empty; NULL: memory was out. */
 struct blob *answer_made(struct markup *m);

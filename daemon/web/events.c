@@ -157,7 +157,7 @@ events_begin(struct radweb *r, struct MHD_Connection *c, struct watch *w)
     struct stream *s;
 
     if (r->served.streams >= SERVE_STREAMS)
-        return answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,
+        return answer_error(c, r->path, MHD_HTTP_SERVICE_UNAVAILABLE,
                             "too many pages are open");
     s = calloc(1, sizeof *s);
     if (!s)

@@ -5,8 +5,23 @@
 
 #include <string.h>
 
+/* Write an address below radweb's root, as seen from a path, as the value of an
+ * attribute. */
+static void
+put_address(struct markup *m, const char *attribute, const char *path,
+            const char *below)
+{
+    const char *slash = strchr(path, '/');
+
+    markup_print(m, " %s=\"./", attribute);
+    while (slash && (slash = strchr(slash + 1, '/')))
+        markup_raw(m, "../");
+    markup_print(m, "%s\"", below);
+}
+
 void
-page_begin(struct markup *m, const char *title, const char *events)
+page_begin(struct markup *m, const char *path, const char *title,
+           const char *events)
 {
     markup_raw(m, "<!doctype html>\n<html lang=\"en\"><head>"
                   "<meta charset=\"utf-8\">"
@@ -14,9 +29,13 @@ page_begin(struct markup *m, const char *title, const char *events)
                   "initial-scale=1\">"
                   "<meta name=\"color-scheme\" content=\"light dark\"><title>");
     markup_text(m, title);
-    markup_raw(m, "</title><link rel=\"icon\" href=\"/icon.svg\">"
-                  "<link rel=\"stylesheet\" href=\"/style.css\">"
-                  "<script src=\"/page.js\" defer></script>");
+    markup_raw(m, "</title><link rel=\"icon\"");
+    put_address(m, "href", path, "icon.svg");
+    markup_raw(m, "><link rel=\"stylesheet\"");
+    put_address(m, "href", path, "style.css");
+    markup_raw(m, "><script defer");
+    put_address(m, "src", path, "page.js");
+    markup_raw(m, "></script>");
     if (events)
         markup_raw(m, "<noscript><meta http-equiv=\"refresh\" content=\"10\">"
                       "</noscript>");
@@ -26,28 +45,32 @@ page_begin(struct markup *m, const char *title, const char *events)
         markup_text(m, events);
         markup_raw(m, "\"");
     }
-    markup_raw(m, "><header><a class=\"home\" href=\"/\">radd</a>"
-                  "<span id=\"live\"></span></header>\n<main>\n");
+    markup_raw(m, "><header><a class=\"home\"");
+    put_address(m, "href", path, "");
+    markup_raw(m, ">radd</a><span id=\"live\"></span></header>\n<main>\n");
 }
 
 void
-page_end(struct markup *m)
+page_end(struct markup *m, const char *path)
 {
-    markup_raw(m, "</main>\n<footer>radweb " PACKAGE_VERSION
-                  " &middot; <a href=\"/metrics\">metrics</a> &middot; "
-                  "<a href=\"/api/v1/jobs.json\">jobs.json</a> &middot; "
-                  "<a href=\"/api/v1/workers.json\">workers.json</a>"
-                  "</footer></body></html>\n");
+    markup_raw(m, "</main>\n<footer>radweb " PACKAGE_VERSION " &middot; <a");
+    put_address(m, "href", path, "metrics");
+    markup_raw(m, ">metrics</a> &middot; <a");
+    put_address(m, "href", path, "api/v1/jobs.json");
+    markup_raw(m, ">jobs.json</a> &middot; <a");
+    put_address(m, "href", path, "api/v1/workers.json");
+    markup_raw(m, ">workers.json</a></footer></body></html>\n");
 }
 
 void
-page_error(struct markup *m, unsigned status, const char *text)
+page_error(struct markup *m, const char *path, unsigned status,
+           const char *text)
 {
-    page_begin(m, "radd", NULL);
+    page_begin(m, path, "radd", NULL);
     markup_print(m, "<section id=\"error\"><h1>%u</h1><p>", status);
     markup_text(m, text);
     markup_raw(m, ".</p></section>");
-    page_end(m);
+    page_end(m, path);
 }
 
 void

@@ -13,18 +13,22 @@
 #define PAGE_JOBS    200 /* most rows shown; a line counts the others */
 #define PAGE_WORKERS 300
 
-/* Write a page's text before its sections, and behind them.  events: path of
- * the page's event stream; NULL: the page does not change. */
-void page_begin(struct markup *m, const char *title, const char *events);
-void page_end(struct markup *m);
+/* Write a page's text before its sections, and behind them.  path: of the page,
+ * from which all addresses in it are relative, so that a proxy may have radweb
+ * below a path of its own.  events: relative address of the page's event
+ * stream; NULL: the page does not change. */
+void page_begin(struct markup *m, const char *path, const char *title,
+                const char *events);
+void page_end(struct markup *m, const char *path);
 
 /* Write the sections of the cluster's page; of a job's page.  Of a job that is
  * gone this is a warning alone, for a page that shows the job to keep. */
 void page_home(struct markup *m, const struct model *c);
 void page_job(struct markup *m, const struct model *c, const struct watch *w);
 
-/* Write a whole page with an HTTP status and the reason. */
-void page_error(struct markup *m, unsigned status, const char *text);
+/* Write a whole page, for a path, with an HTTP status and the reason. */
+void page_error(struct markup *m, const char *path, unsigned status,
+                const char *text);
 
 /* Write what is wrong: the coordinator is away, its disk is full, the page's
  * job (w; NULL: the page has none) is gone. */

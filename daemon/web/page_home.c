@@ -64,7 +64,7 @@ put_job(struct markup *m, const json_t *job)
     char brief[9];
 
     snprintf(brief, sizeof brief, "%s", markup_member(job, "job"));
-    markup_raw(m, "<tr><td><a class=\"id\" href=\"/jobs/");
+    markup_raw(m, "<tr><td><a class=\"id\" href=\"jobs/");
     markup_text(m, markup_member(job, "job"));
     markup_raw(m, "\">");
     markup_text(m, brief);

@@ -128,12 +128,12 @@ put_frames(struct markup *m, const struct watch *w)
         return;
     markup_raw(m, "<p class=\"frames\">");
     if (w->frame > 0)
-        markup_print(m, "<a href=\"/jobs/%s?frame=%u\">&larr; frame %u</a> ",
-                     w->hex, w->frame - 1, w->frame);
+        markup_print(m, "<a href=\"%s?frame=%u\">&larr; frame %u</a> ", w->hex,
+                     w->frame - 1, w->frame);
     markup_print(m, "<b>frame %u of %.0f</b>", w->frame + 1, n);
     if (w->frame + 1 < n)
-        markup_print(m, " <a href=\"/jobs/%s?frame=%u\">frame %u &rarr;</a>",
-                     w->hex, w->frame + 1, w->frame + 2);
+        markup_print(m, " <a href=\"%s?frame=%u\">frame %u &rarr;</a>", w->hex,
+                     w->frame + 1, w->frame + 2);
     markup_raw(m, "</p>");
 }
 
@@ -142,12 +142,12 @@ put_picture(struct markup *m, const struct watch *w)
 {
     markup_print(m,
                  "<section id=\"picture\" data-version=\"%llu\" "
-                 "data-raw=\"/jobs/%s/picture.rgbe?frame=%u\"><h2>Picture</h2>",
+                 "data-raw=\"%s/picture.rgbe?frame=%u\"><h2>Picture</h2>",
                  (unsigned long long)w->picture_version, w->hex, w->frame);
     put_frames(m, w);
     if (w->png) {
         markup_print(m,
-                     "<figure><img id=\"shown\" src=\"/jobs/%s/picture.png"
+                     "<figure><img id=\"shown\" src=\"%s/picture.png"
                      "?frame=%u&amp;v=%llu\" width=\"%d\" height=\"%d\" alt=\""
                      "The picture as far as it is rendered\"></figure>",
                      w->hex, w->frame, (unsigned long long)w->picture_version,

@@ -58,6 +58,7 @@ struct radweb {
     struct radweb_sheet event; /* of the cluster's page */
     struct stream *streams;
     struct waiting *waiting; /* requests that wait for a job's data */
+    const char *path;        /* of the request that is being handled */
     struct report_served served;
     struct log_limit refused;
     uint64_t sweep_ms;

@@ -33,9 +33,9 @@ static const char json[] = "application/json";
 static void
 whole_home(struct markup *m, const struct model *c)
 {
-    page_begin(m, "radd cluster", "/events");
+    page_begin(m, "/", "radd cluster", "events");
     page_home(m, c);
-    page_end(m);
+    page_end(m, "/");
 }
 
 static const struct {
@@ -100,13 +100,12 @@ send_page(struct radweb *r, struct MHD_Connection *c, struct watch *w)
     struct markup m = { 0 };
     char events[100], title[200];
 
-    snprintf(events, sizeof events, "/jobs/%s/events?frame=%u", w->hex,
-             w->frame);
+    snprintf(events, sizeof events, "%s/events?frame=%u", w->hex, w->frame);
     snprintf(title, sizeof title, "%.150s - radd",
              markup_member(w->detail, "name"));
-    page_begin(&m, title, events);
+    page_begin(&m, r->path, title, events);
     page_job(&m, &r->model, w);
-    page_end(&m);
+    page_end(&m, r->path);
     return answer_text(c, MHD_HTTP_OK, html, &m);
 }
 
@@ -123,9 +122,8 @@ send_job_json(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 static enum MHD_Result
 send_png(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 {
-    (void)r;
     if (!w->png)
-        return answer_error(c, MHD_HTTP_NOT_FOUND,
+        return answer_error(c, r->path, MHD_HTTP_NOT_FOUND,
                             "there is no picture of it yet");
     return answer_blob(c, MHD_HTTP_OK, "image/png", blob_ref(w->png));
 }
@@ -133,9 +131,8 @@ send_png(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 static enum MHD_Result
 send_rgbe(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 {
-    (void)r;
     if (!w->rgbe)
-        return answer_error(c, MHD_HTTP_NOT_FOUND,
+        return answer_error(c, r->path, MHD_HTTP_NOT_FOUND,
                             "there is no picture of it yet");
     return answer_blob(c, MHD_HTTP_OK, "application/octet-stream",
                        blob_ref(w->rgbe));
@@ -273,14 +270,14 @@ send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
     struct watch *w = watch_look_at(&r->watches, hex, frame_of(c));
 
     if (!w)
-        return answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,
+        return answer_error(c, r->path, MHD_HTTP_SERVICE_UNAVAILABLE,
                             "too many jobs are looked at just now");
     if (!is_ready(w, p->picture) && !was && !r->closing &&
         session_is_up(r->session))
         return put_off(r, c, w, p->picture, state);
     if (!w->detail)
-        return w->gone ? answer_error(c, MHD_HTTP_NOT_FOUND, w->note)
-                       : answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,
+        return w->gone ? answer_error(c, r->path, MHD_HTTP_NOT_FOUND, w->note)
+                       : answer_error(c, r->path, MHD_HTTP_SERVICE_UNAVAILABLE,
                                       "the coordinator cannot be asked now");
     return p->send(r, c, w);
 }
@@ -298,7 +295,7 @@ send_path(struct radweb *r, struct MHD_Connection *c, const char *path,
     if (a)
         return send_asset(c, a);
     if (blob_alive() > BLOB_MOST)
-        return answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,
+        return answer_error(c, r->path, MHD_HTTP_SERVICE_UNAVAILABLE,
                             "too many answers are not read yet");
     model_seen(&r->model);
     for (int i = 0; i < NSHEETS; i++)
@@ -311,7 +308,8 @@ send_path(struct radweb *r, struct MHD_Connection *c, const char *path,
     p = find_job_path(path, hex);
     if (p)
         return send_job(r, c, p, hex, state);
-    return answer_error(c, MHD_HTTP_NOT_FOUND, "there is no such page");
+    return answer_error(c, r->path, MHD_HTTP_NOT_FOUND,
+                        "there is no such page");
 }
 
 enum MHD_Result
@@ -321,15 +319,17 @@ route_request(void *arg, struct MHD_Connection *c, const char *method,
     struct radweb *r = arg;
     unsigned status;
 
+    r->path = path;
     r->served.requests += *state == NULL;
     if (strcmp(method, "GET") != 0 && strcmp(method, "HEAD") != 0)
-        return answer_error(c, MHD_HTTP_METHOD_NOT_ALLOWED,
+        return answer_error(c, r->path, MHD_HTTP_METHOD_NOT_ALLOWED,
                             "pages here are read, not written");
     status = radweb_refuses(r, c);
     if (status == MHD_HTTP_UNAUTHORIZED)
-        return answer_error(c, status, "this takes the token as password");
+        return answer_error(c, r->path, status,
+                            "this takes the token as password");
     if (status)
-        return answer_error(c, status,
+        return answer_error(c, r->path, status,
                             "the name by which you ask is none of this "
                             "machine's: a token would permit it");
     return send_path(r, c, path, state);

@@ -106,7 +106,7 @@ def look_at(b, width, dark):
     b.until(LIVE)
     fits(b, "the cluster's page")
     b.shoot(name % "cluster")
-    b.click("a[href='/jobs/%s']" % job)
+    b.click("a[href='jobs/%s']" % job)
     b.until("location.pathname === '/jobs/%s'" % job)
     b.until("document.readyState === 'complete' && " + LIVE)
     b.until(SHOWN)
