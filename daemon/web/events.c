@@ -13,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIGN_MS 15000 /* after so long without an event a comment is sent */
+#define SIGN_MS                                                                \
+    15000 /* after so long without an event a sign of life is sent */
 
 struct stream {
     struct stream *next;
@@ -106,6 +107,7 @@ take_event(struct stream *s)
 static ssize_t
 read_stream(void *arg, uint64_t pos, char *buf, size_t most)
 {
+    static const char sign[] = "event: sign\ndata: -\n\n";
     struct stream *s = arg;
     size_t n;
 
@@ -114,10 +116,10 @@ read_stream(void *arg, uint64_t pos, char *buf, size_t most)
         return MHD_CONTENT_READER_END_OF_STREAM;
     if (!s->now)
         take_event(s);
-    if (!s->now && s->sign && most >= 3) {
+    if (!s->now && s->sign && most >= sizeof sign) {
         s->sign = false;
-        memcpy(buf, ":\n\n", 3);
-        return 3;
+        memcpy(buf, sign, sizeof sign - 1);
+        return sizeof sign - 1;
     }
     if (!s->now) {
         s->put_off = true;

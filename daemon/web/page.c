@@ -77,7 +77,8 @@ void
 page_trouble(struct markup *m, const struct model *c, const struct watch *w)
 {
     /* what is told once is an alert; the age, which changes, is none */
-    markup_raw(m, "<section id=\"trouble\">");
+    markup_print(m, "<section id=\"trouble\"%s>",
+                 c->up ? "" : " class=\"away\"");
     if (!c->up) {
         markup_raw(m,
                    "<p class=\"trouble\"><span role=\"alert\">The coordinator "
@@ -124,6 +125,14 @@ page_state(struct markup *m, const char *state)
     markup_print(m, "<span class=\"state %s\">", class_of(state));
     markup_text(m, state);
     markup_raw(m, "</span>");
+}
+
+void
+page_row(struct markup *m, const char *key)
+{
+    markup_raw(m, "<tr data-key=\"");
+    markup_text(m, key);
+    markup_raw(m, "\">");
 }
 
 void

@@ -36,6 +36,8 @@ void page_trouble(struct markup *m, const struct model *c,
                   const struct watch *w);
 /* Write the state of a job or of a worker, with its colour. */
 void page_state(struct markup *m, const char *state);
+/* Begin a table's row; page.js knows it by its key, wherever it moves. */
+void page_row(struct markup *m, const char *key);
 /* Write a job's progress, as a bar and in per cent. */
 void page_done(struct markup *m, const json_t *job);
 /* Seconds until a job is done, by the time that it took so far; negative: not

@@ -1,9 +1,10 @@
 /* page.js - keeps a page that is open up to date, and shows radiance
  *
- * The server sends the page's sections as HTML that it has made safe; each that
- * changed takes the place of the one before.  The section of the picture stays:
- * its radiance is fetched again where there is more of it, and drawn with the
- * exposure or the false colours that were chosen here. */
+ * The server sends the page's sections as HTML that it has made safe.  The page
+ * is changed where they differ from it and nowhere else, so the focus, what is
+ * marked, and how far a table is scrolled stay.  The section of the picture is
+ * left alone: its radiance is fetched again where there is more of it, and drawn
+ * with the exposure or the false colours that were chosen here. */
 "use strict";
 
 /* --- the picture --- */
@@ -102,19 +103,24 @@ class Viewer
             this.again = true;
             return;
         }
+        const begin = performance.now();
         this.busy = true;
+        this.again = false;
         try {
-            const answer = await fetch(this.section.dataset.raw);
+            const answer = await fetch(this.section.dataset.raw, {
+                signal : AbortSignal.timeout(60000),
+            });
             if (answer.ok)
                 this.take(await answer.arrayBuffer());
         } catch (e) {
             /* the next version is tried again */
         }
-        this.busy = false;
-        if (this.again) {
-            this.again = false;
-            this.load();
-        }
+        /* a slow line is left to others for most of the time */
+        setTimeout(() => {
+            this.busy = false;
+            if (this.again)
+                this.load();
+        }, 4 * (performance.now() - begin));
     }
 
     take(buffer)
@@ -303,6 +309,52 @@ function addCopy()
     words.after(button);
 }
 
+const keyOf = node => node.dataset && node.dataset.key;
+
+/* Make the children of an element like those of another.  Rows go by their keys;
+ * all else goes by its place. */
+function mergeChildren(old, now)
+{
+    const rows = new Map(Array.from(old.children, c => [keyOf(c), c]));
+    let at = old.firstChild;
+    for (const next of Array.from(now.childNodes)) {
+        const key = keyOf(next);
+        const had = key ? rows.get(key) : at && !keyOf(at) ? at : null;
+        if (!had || had.nodeName !== next.nodeName) {
+            old.insertBefore(next, at);
+            continue;
+        }
+        if (had === at)
+            at = at.nextSibling;
+        else
+            old.insertBefore(had, at);
+        merge(had, next);
+    }
+    while (at) {
+        const gone = at;
+        at = at.nextSibling;
+        gone.remove();
+    }
+}
+
+/* Make a node like another of the same name. */
+function merge(old, now)
+{
+    if (old.isEqualNode(now))
+        return;
+    if (old.nodeType !== Node.ELEMENT_NODE) {
+        old.nodeValue = now.nodeValue;
+        return;
+    }
+    for (const a of Array.from(old.attributes))
+        if (!now.hasAttribute(a.name))
+            old.removeAttribute(a.name);
+    for (const a of now.attributes)
+        if (old.getAttribute(a.name) !== a.value)
+            old.setAttribute(a.name, a.value);
+    mergeChildren(old, now);
+}
+
 function put(section)
 {
     const old = document.getElementById(section.id);
@@ -321,39 +373,86 @@ function put(section)
         section.querySelector("#words") &&
         old.querySelector("#words").textContent ===
             section.querySelector("#words").textContent)
-        return; /* with its button, and what is marked in it */
-    if (old.outerHTML === section.outerHTML)
-        return;
-    old.replaceWith(section);
+        return; /* with its button */
+    merge(old, section);
     if (section.id === "picture")
-        look(section);
+        look(old);
     if (section.id === "command")
         addCopy();
 }
 
-function follow(address)
+function take(html)
+{
+    const page = new DOMParser().parseFromString(html, "text/html");
+    const focus = document.activeElement;
+    for (const section of page.querySelectorAll("section[id]"))
+        put(section);
+    if (focus !== document.activeElement) /* its row was moved */
+        focus.focus({preventScroll : true});
+}
+
+/* --- the stream of events --- */
+
+const SILENT_MS = 40000; /* the server says something each 15 s */
+
+let stream = null, timer = 0;
+
+function tell(text, on)
 {
     const live = document.getElementById("live");
-    const stream = new EventSource(address);
+    if (live.textContent !== text) /* a screen reader reads what is set */
+        live.textContent = text;
+    live.className = on ? "on" : "";
+}
+
+function unfollow()
+{
+    clearTimeout(timer);
+    if (stream)
+        stream.close();
+    stream = null;
+}
+
+/* Dial again if nothing is heard for so long: a line can be dead, as after a
+ * laptop's sleep, without either end knowing. */
+function wait(ms)
+{
+    clearTimeout(timer);
+    timer = setTimeout(() => {
+        tell("not connected", false);
+        follow();
+    }, ms);
+}
+
+/* A page that is not seen has no stream: browsers open but six connections to a
+ * server, and pages in further tabs would wait for one of them for good. */
+function follow()
+{
+    unfollow();
+    if (document.hidden)
+        return;
+    stream = new EventSource(document.body.dataset.events);
+    stream.addEventListener("sign", () => wait(SILENT_MS));
     stream.onmessage = e => {
-        const page = new DOMParser().parseFromString(e.data, "text/html");
-        for (const section of page.querySelectorAll("section[id]"))
-            put(document.adoptNode(section));
-        live.textContent = "live";
-        live.className = "on";
+        take(e.data);
+        const away = document.querySelector("#trouble.away");
+        tell(away ? "not live" : "live", !away);
+        wait(SILENT_MS);
     };
     stream.onerror = () => {
-        live.textContent = "not connected";
-        live.className = "";
-        // a browser dials again by itself, but not after an answer that is none
-        if (stream.readyState === EventSource.CLOSED)
-            setTimeout(() => follow(address), 10000);
+        tell("not connected", false);
+        /* a browser dials again by itself, but not after an answer that is none
+         */
+        wait(stream.readyState === EventSource.CLOSED ? 10000 : SILENT_MS);
     };
+    wait(SILENT_MS);
 }
 
 const picture = document.getElementById("picture");
 if (picture)
     look(picture);
 addCopy();
-if (document.body.dataset.events)
-    follow(document.body.dataset.events);
+if (document.body.dataset.events) {
+    document.addEventListener("visibilitychange", follow);
+    follow();
+}

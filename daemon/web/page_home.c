@@ -64,7 +64,8 @@ put_job(struct markup *m, const json_t *job)
     char brief[9];
 
     snprintf(brief, sizeof brief, "%s", markup_member(job, "job"));
-    markup_raw(m, "<tr><td><a class=\"id\" href=\"jobs/");
+    page_row(m, markup_member(job, "job"));
+    markup_raw(m, "<td><a class=\"id\" href=\"jobs/");
     markup_text(m, markup_member(job, "job"));
     markup_raw(m, "\">");
     markup_text(m, brief);
@@ -138,7 +139,8 @@ put_jobs(struct markup *m, const struct model *c)
 static void
 put_worker(struct markup *m, const json_t *w)
 {
-    markup_raw(m, "<tr><td class=\"name\">");
+    page_row(m, markup_member(w, "name"));
+    markup_raw(m, "<td class=\"name\">");
     markup_text(m, markup_member(w, "name"));
     markup_raw(m, "</td><td>");
     page_state(m, markup_member(w, "state"));

@@ -175,7 +175,8 @@ put_worker(struct markup *m, const json_t *w)
     double wait = markup_number(w, "wait_base_line_s");
     double all = busy + idle + wait;
 
-    markup_raw(m, "<tr><td class=\"name\">");
+    page_row(m, markup_member(w, "name"));
+    markup_raw(m, "<td class=\"name\">");
     markup_text(m, markup_member(w, "name"));
     markup_print(m,
                  "</td><td class=\"num\">%.0f</td><td class=\"num\">%.0f"

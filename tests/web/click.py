@@ -126,6 +126,24 @@ def without_script(b):
     b.say("Emulation.setScriptExecutionDisabled", value=False)
 
 
+def streams():
+    said = urllib.request.urlopen(url + "/metrics").read().decode()
+    return int(said.split("\nradweb_streams ")[1].split()[0])
+
+
+def not_seen(b):
+    """A page that is not seen keeps no connection."""
+    hide = """Object.defineProperty(document, "hidden",
+                                    { value: %s, configurable: true });
+        document.dispatchEvent(new Event("visibilitychange"))"""
+    for hidden, n in (("false", 1), ("true", 0), ("false", 1)):
+        b.run(hide % hidden)
+        until = time.monotonic() + 30
+        while streams() != n:
+            assert time.monotonic() < until, (hidden, streams())
+            time.sleep(.2)
+
+
 def main():
     b = Browser(folder + "/browser")
     try:
@@ -144,13 +162,16 @@ def main():
         assert b.run("document.querySelector('h1').textContent") == \
             radctl("job", job)["name"]
         without_script(b)
-        # a job that comes stands there without a click
+        # a job that comes stands there without a click, and the focus stays
         b.open(url + "/")
         b.until(LIVE)
+        b.run("document.querySelector(\"a[href='jobs/%s']\").focus()" % job)
         n = len(b.run(CELLS % "jobs"))
         print("look", flush=True)
         sys.stdin.readline()
         b.until("document.querySelectorAll('#jobs tbody tr').length > %d" % n)
+        assert b.run("document.activeElement.href").endswith(job)
+        not_seen(b)
         said = b.complaints()
         assert not said, said
     finally:
