@@ -27,7 +27,7 @@ static const struct rad_metric_options as_is = { 1, 0, 1 };
 /* Worked by hand: reference 1 1 1 1, test 1 1 1 2, e = .001. */
 TEST(figures_agree_with_hand_calculation)
 {
-    static const float tv[] = { 1, 1, 1, 2 }, rv[] = { 1, 1, 1, 1 };
+    static const float tv[] = { 2, 1, 1, 1 }, rv[] = { 1, 1, 1, 1 };
     struct rad_picture t = grey(2, 2, tv), r = grey(2, 2, rv), a, b;
     struct rad_metric m;
 

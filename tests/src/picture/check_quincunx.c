@@ -35,15 +35,17 @@ struct picture {
     int ntraced;
 };
 
-/* A picture about 1, with a black channel; no place is like the next. */
+/* A picture about 1, also its distances, with a black channel; no place is like
+ * the next. */
 static struct rad_pixel
 chance(int x, int y, double amplitude)
 {
     uint64_t h = rad_mix64((uint64_t)x << 32 | (uint64_t)y);
-    struct rad_pixel p = { { 1, 0, 1 }, 0 };
+    struct rad_pixel p = { { 1, 0, 1 }, 1 };
 
     p.L.r += (float)(amplitude * (double)(h >> 48) * 0x1p-16);
     p.L.b += (float)(amplitude * (double)(h >> 32 & 0xffff) * 0x1p-16);
+    p.z += (float)(amplitude * (double)(h >> 16 & 0xffff) * 0x1p-16);
     return p;
 }
 
@@ -292,8 +294,9 @@ static const double limits[] = { .002, .05, .3, 1, 1.2 };
 LOOP_TEST(what_is_about_the_limit_is_as_in_the_model, N_ELEM(limits))
 {
     for (int psample = 1; psample <= 16; psample++) {
-        struct picture *p = picture_new(psample, 97, 64, limits[_i], false);
-        struct picture *m = picture_new(psample, 97, 64, limits[_i], false);
+        bool depth = psample % 2;
+        struct picture *p = picture_new(psample, 97, 64, limits[_i], depth);
+        struct picture *m = picture_new(psample, 97, 64, limits[_i], depth);
 
         p->gentle = m->gentle = .8 + .03 * psample;
         sample(p);
