@@ -217,6 +217,38 @@ LOOP_TEST(divided_ring_gives_the_closed_form, N_ELEM(ring))
     ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
 }
 
+/* A ring's radii, and the place that it is seen from. */
+struct on_ring {
+    double p[3], r0, r1;
+    int samples;
+};
+
+static void
+aim_is_on_ring(void *arg, const struct rad_light_sample *s)
+{
+    struct on_ring *m = arg;
+    double t = (2 - m->p[2]) / s->aim[2], q[3];
+
+    rad_madd(q, m->p, t, s->aim);
+    ck_assert_double_ge(hypot(q[0], q[1]), m->r0);
+    ck_assert_double_le(hypot(q[0], q[1]), m->r1);
+    m->samples++;
+}
+
+/* The middle of a part may be in the ring's hole. */
+LOOP_TEST(parts_of_a_ring_are_aimed_at, N_ELEM(ring))
+{
+    double a[8] = { 0, 0, 2, 0, 0, -3, ring[_i].r0, ring[_i].r1 };
+    struct on_ring m = { { ring[_i].x, 0, 2 - ring[_i].h }, a[6], a[7], 0 };
+    struct rad_light_view view = { .p = { m.p[0], 0, m.p[2] } };
+    struct rad_source src;
+
+    make_light(&src, RAD_RING, a, 8);
+    for (view.sizerat = 1; view.sizerat > .1; view.sizerat *= .8)
+        rad_light_samples(&src, &view, aim_is_on_ring, &m);
+    ck_assert_int_gt(m.samples, 10);
+}
+
 /* A sphere above the horizon gives pi r^2/d^2 cos, exactly (a disk seen from
  * outside is as good); with and without jitter, and at any -ds. */
 TEST(sphere_gives_the_closed_form)
