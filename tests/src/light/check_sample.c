@@ -316,6 +316,31 @@ LOOP_TEST(thick_cylinder_is_exact, N_ELEM(thick))
                             1e-2 * E);
 }
 
+/* The ray meets the wall of the cylinder of thick_cylinder_is_exact from
+ * outside, between its open ends. */
+static void
+aim_is_on_wall(void *arg, const struct rad_light_sample *s)
+{
+    const double *p = arg, *d = s->aim;
+    double y = p[1], z = p[2] - 2, a = d[1] * d[1] + d[2] * d[2];
+    double b = y * d[1] + z * d[2], c = y * y + z * z - .6 * .6;
+    double x = p[0] - (b + sqrt(b * b - a * c)) / a * d[0];
+
+    ck_assert_double_le(fabs(x), 1);
+}
+
+LOOP_TEST(parts_of_a_cylinder_are_aimed_at, N_ELEM(thick))
+{
+    double a[7] = { -1, 0, 2, 1, 0, 2, .6 };
+    double p[3] = { thick[_i][0], thick[_i][1], thick[_i][2] };
+    struct rad_light_view view = { .p = { p[0], p[1], p[2] } };
+    struct rad_source src;
+
+    make_light(&src, RAD_CYLINDER, a, 7);
+    for (view.sizerat = 1; view.sizerat > .1; view.sizerat *= .8)
+        rad_light_samples(&src, &view, aim_is_on_wall, p);
+}
+
 /* Jittered aims, seen from straight below, are even about the middle of the
  * light whatever -dj, and reach about as far as -dj says. */
 static const struct {
