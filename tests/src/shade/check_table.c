@@ -137,6 +137,9 @@ static const struct {
     { "mixtext m 4 one two box.fnt a.txt 0 9 1 4 0 2 0 0 0 -2 0", 1, 0 },
     { "mixtext m 5 one two box.fnt . A 0 9 1 4 0 2 0 0 0 -2 0", 1, 0 },
     { "mixtext m 5 one two box.fnt . A 0 9 3 4 0 2 0 0 0 -2 0", 0, 1 },
+    /* with half a cell more on either side the letter covers x 5/3 to 3 */
+    { "mixtext m 5 one two box.fnt . A 0 10 1 4 0 2 0 0 0 -2 0 -.5", 1, 0 },
+    { "mixtext m 5 one two box.fnt . A 0 10 1.5 4 0 2 0 0 0 -2 0 -.5", 0, 1 },
     { "mixtext m 5 void two box.fnt . A 0 9 1 4 0 2 0 0 0 -2 0", 0, 3 },
     { "mixtext m 4 one two box.fnt . 0 9 1 4 0 2 0 0 0 -2 0", 0, 1 },
 };
