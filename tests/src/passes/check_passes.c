@@ -34,17 +34,24 @@ struct room {
 
 static struct room rooms[2];
 
+/* Without a cache that is frozen. */
 static void
-open_room(struct room *m, const char *options)
+open_live(struct room *m, const char *scene, const char *options)
 {
     char text[200];
 
     snprintf(text, sizeof text, OPTIONS "%s", options);
-    world_open(&m->w, scene_text, text);
-    rad_ambient_freeze(m->w.job->ambient);
+    world_open(&m->w, scene, text);
     world_frame(&m->w, "-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", false,
                 &m->frame);
     m->nrecs = 0;
+}
+
+static void
+open_room(struct room *m, const char *options)
+{
+    open_live(m, scene_text, options);
+    rad_ambient_freeze(m->w.job->ambient);
 }
 
 static void
@@ -395,6 +402,32 @@ LOOP_TEST(records_and_picture_are_a_function_of_the_job, N_ELEM(ways))
     close_room(other);
 }
 
+/* Where no surface has a colour all light has the lamp's: also what is kept,
+ * smoothed and interpolated, in a frozen cache and in another. */
+LOOP_TEST(light_keeps_its_colour, 2)
+{
+    struct room *m = &rooms[0];
+    char grey[sizeof scene_text];
+
+    memcpy(grey, scene_text, sizeof grey);
+    memcpy(strstr(grey, "60 60 60"), "64 32 16", 8);
+    memcpy(strstr(grey, ".6 .2 .2"), ".4 .4 .4", 8);
+    open_live(m, grey, "-ab 2");
+    if (_i) {
+        rad_ambient_freeze(m->w.job->ambient);
+        fill(m, 1, false, false);
+    }
+    render(m, false);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        struct rad_rgb L = m->picture[i].L;
+
+        ck_assert_float_gt(L.r, 0);
+        ck_assert_float_eq_tol(2 * L.g, L.r, 1e-5f * L.r);
+        ck_assert_float_eq_tol(4 * L.b, L.r, 1e-5f * L.r);
+    }
+    close_room(m);
+}
+
 /* Pixels find what they need, and few records are made for nothing; none takes
  * much room. */
 TEST(passes_leave_little_to_do)
@@ -411,14 +444,11 @@ TEST(passes_leave_little_to_do)
     ck_assert_uint_gt(rad_ambient_bytes(m->w.job->ambient), 100 * m->nrecs);
     ck_assert_uint_le(rad_ambient_bytes(m->w.job->ambient), 200 * m->nrecs);
     ck_assert_uint_eq(m->w.ctx.counts.ambient_values, 0);
-    live->nrecs = 0;
-    world_open(&live->w, scene_text, OPTIONS "-ab 2");
-    live->frame = m->frame;
-    live->frame.job = live->w.job;
+    open_live(live, scene_text, "-ab 2");
     render(live, false);
     ck_assert_uint_lt(m->nrecs,
                       1.15 * (double)rad_ambient_count(live->w.job->ambient));
-    world_close(&live->w);
+    close_room(live);
     close_room(m);
 }
 
