@@ -121,6 +121,9 @@ static const struct {
     { "trans m 0 0 7 1 1 1 0 0 .9 .8", 5 },
     { "trans m 0 0 7 1 1 1 0 0 .9 .1", 2 },
     { "metal m 0 0 5 .9 .9 .9 1 0", 2 }, /* a mirror is seen, not its image */
+    { "metal n 0 0 5 .9 .9 .9 1 0 void plastic k 0 0 5 0 0 0 0 0 "
+      "void mixfunc m 4 k n .2 . 0 0",
+      2 },
     { "dielectric m 0 0 5 1 1 1 1.5 0", 5 },
     { "illum m 0 0 3 1 1 1", 5 },
 };
