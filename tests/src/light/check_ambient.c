@@ -63,26 +63,47 @@ LOOP_TEST(even_sky_gives_pi_times_its_radiance, 5)
 /* A texture that leans the normal by 45 degrees toward the bright side of a sky
  * of 1 + x has sin 45 times the integral of x^2 / pi more; of fewer cells than
  * seven a side it has no part in indirect light, as in rpict. */
-LOOP_TEST(textures_lean_where_cells_are_many, 2)
+static const struct {
+    const char *material;
+    double z; /* of the eye */
+    int ambdiv;
+    double L;
+} leaning[] = {
+    { "plastic p 0 0 5 1 1 1 0 0", 1, 42, 1 },
+    { "plastic p 0 0 5 1 1 1 0 0", 1, 49, 1 + M_SQRT1_2 * 2 / 3 },
+    { "trans p 0 0 7 1 1 1 0 0 1 0", -1, 49, 1 + M_SQRT1_2 * 2 / 3 },
+    { "plastic2 p 4 1 0 0 . 0 6 1 1 1 0 .1 .1", 1, 49, 1 + M_SQRT1_2 * 2 / 3 },
+    { "trans2 p 4 1 0 0 . 0 8 1 1 1 0 .1 .1 1 0", -1, 49,
+      1 + M_SQRT1_2 * 2 / 3 },
+    { "plasfunc p 2 sqrt . 0 4 1 1 1 0", 1, 49, 1 + M_SQRT1_2 * 2 / 3 },
+    { "transfunc p 2 sqrt . 0 6 1 1 1 0 1 0", -1, 49, 1 + M_SQRT1_2 * 2 / 3 },
+    { "BRTDfunc p 10 0 0 0 0 0 0 0 0 0 . 0 9 1 1 1 0 0 0 0 0 0", 1, 49,
+      1 + M_SQRT1_2 * 2 / 3 },
+    { "BRTDfunc p 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 1 1 1", -1, 49,
+      1 + M_SQRT1_2 * 2 / 3 },
+    { "WGMDfunc p 13 void 0 0 0 void 0 0 0 void 1 0 0 . 0 9 1 1 1 0 0 0 0 0 0",
+      1, 49, 1 + M_SQRT1_2 * 2 / 3 },
+    { "WGMDfunc p 13 void 0 0 0 void 0 0 0 t 1 0 0 . 0 9 0 0 0 0 0 0 1 1 1", -1,
+      49, 1 + M_SQRT1_2 * 2 / 3 },
+};
+
+LOOP_TEST(textures_lean_where_cells_are_many, N_ELEM(leaning))
 {
-    static const struct {
-        const char *options;
-        double L;
-    } leaning[] = {
-        { "-ab 1 -aa 0 -ad 42 -as 0 -lw 1e-6", 1 },
-        { "-ab 1 -aa 0 -ad 49 -as 0 -lw 1e-6", 1 + M_SQRT1_2 * 2 / 3 },
-    };
-    static const char scene[] =
-        "void brightfunc f 2 1+Dx . 0 0\nf glow g 0 0 4 1 1 1 0\n"
-        "g source sky 0 0 4 0 0 1 180\nvoid texfunc t 4 1 0 0 . 0 0\n"
-        "t plastic p 0 0 5 1 1 1 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n";
+    char scene[512], options[64];
     double sum = 0;
 
-    world_open(&w, scene, leaning[_i].options);
+    snprintf(scene, sizeof scene,
+             "void brightfunc f 2 1+Dx . 0 0\nf glow g 0 0 4 1 1 1 0\n"
+             "g source sky 0 0 4 0 0 1 180\nvoid texfunc t 4 1 0 0 . 0 0\n"
+             "t %s\np ring r 0 0 8 0 0 0 0 0 1 0 9\n",
+             leaning[_i].material);
+    snprintf(options, sizeof options, "-ab 1 -aa 0 -ad %d -as 0 -lw 1e-6",
+             leaning[_i].ambdiv);
+    world_open(&w, scene, options);
     for (int i = 0; i < 400; i++) {
         struct rad_ray r;
 
-        world_ray(&w, &r, 0, 0, 1, 0, 0, -1);
+        world_ray(&w, &r, 0, 0, leaning[_i].z, 0, 0, -leaning[_i].z);
         r.key = rad_key_branch(1, (uint64_t)i);
         rad_ray_trace(&w.ctx, &r);
         sum += (double)r.L.g / 400;
