@@ -477,6 +477,29 @@ TEST(mesh_normals_and_coordinates_lie_between_the_corners)
     ck_assert_str_eq(w.scene->objects[r.hit.obj].name, RAD_MESH_FACE);
 }
 
+/* One that has coordinates lies below one that has none. */
+TEST(mesh_without_coordinates_has_zeros)
+{
+    static const struct parts_vertex v[] = { { { 0, 0, 1 }, { 0 }, { 0 } },
+                                             { { 4, 0, 1 }, { 0 }, { 0 } },
+                                             { { 0, 4, 1 }, { 0 }, { 0 } } };
+    static const struct parts_triangle t = { { 0, 1, 2 }, 0 };
+    static const double org[3] = { -4, -4, -4 };
+    struct rad_ray r;
+
+    add_triangle(&parts, "q.rtm", MAT, 0);
+    parts_add_mesh(&parts, "bare.rtm", org, 16, v, 3, &t, 1, MAT);
+    ck_assert_int_eq(
+        world_try(&w,
+                  "void mesh q 1 q.rtm 0 0\nvoid mesh bare 1 bare.rtm 0 0\n",
+                  "", &files),
+        0);
+    hit_triangle(&r, 1, 1);
+    ck_assert_double_eq_tol(r.hit.t, 8, 1e-8);
+    ck_assert_double_eq(r.hit.uv[0], 0);
+    ck_assert_double_eq(r.hit.uv[1], 0);
+}
+
 /* Turned by 90 degrees about z, x goes to y; mirrored, -x. */
 TEST(mesh_normals_turn_with_it)
 {

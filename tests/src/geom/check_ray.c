@@ -124,6 +124,9 @@ static const struct {
     { "metal n 0 0 5 .9 .9 .9 1 0 void plastic k 0 0 5 0 0 0 0 0 "
       "void mixfunc m 4 k n .2 . 0 0",
       2 },
+    { "metal n 0 0 5 .9 .9 .9 1 0 void plastic k 0 0 5 0 0 0 0 0 "
+      "void mixfunc m 4 n k 1 . 0 0",
+      2 },
     { "dielectric m 0 0 5 1 1 1 1.5 0", 5 },
     { "illum m 0 0 3 1 1 1", 5 },
 };
