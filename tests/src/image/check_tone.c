@@ -577,6 +577,30 @@ TEST(fine_detail_is_lost_in_the_dark)
     ck_assert_double_gt(seen_of_grating(1000, 4), .7);
 }
 
+/* What an even slope loses to its surroundings it gets from them. */
+TEST(a_blur_leaves_slopes_where_they_are)
+{
+    enum { N = 400, EDGE = 64 };
+    struct rad_view v = square_view(8);
+    struct rad_picture p = blank(N, N);
+    struct rad_human h = { .linear = true, .scale = 1, .acuity = true };
+    struct rad_rgb row[N];
+    struct rad_eye *e;
+
+    for (int y = 0; y < N; y++)
+        for (int x = 0; x < N; x++)
+            p.L[y * N + x] = rad_grey((float)(x + 3 * y + N) * 1e-7f);
+    e = rad_eye_new(&p, &v, false, NULL);
+    ck_assert_int_eq(rad_eye_open(e, &h, NULL), 0);
+    for (int y = EDGE; y < N - EDGE; y++) {
+        rad_eye_row(e, &h, y, row);
+        for (int x = EDGE; x < N - EDGE; x++)
+            ck_assert_float_eq_tol(row[x].g, p.L[y * N + x].g, 1e-9f);
+    }
+    rad_eye_free(e);
+    rad_picture_release(&p);
+}
+
 /* --- primaries --- */
 
 TEST(primaries_become_srgbs)
