@@ -309,10 +309,7 @@ static int
 fill_whole(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
            int density)
 {
-    float factor = calm_limit(g->q);
-
-    if (density > 0 || !(factor > 0) ||
-        !are_calm(get(&p[0]), get(&p[len]), factor))
+    if (density > 0 || !are_calm(get(&p[0]), get(&p[len]), calm_limit(g->q)))
         return fill_gap(g, p, x, y, len, density);
     mix_gap(p, len);
     return 0;
