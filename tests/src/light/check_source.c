@@ -286,6 +286,37 @@ TEST(untested_lamps_count_as_the_tested_ones_are_seen)
         irradiance_of(text, "-ab 0 -dj 0 -dt .2 -dc .5", 5.1, 5.1, 0), 0);
 }
 
+/* In a mirror that halves light, half as much is worth a test: -dt .2 tests as
+ * many lamps for what is seen there as -dt .4 for what is seen itself. */
+TEST(dim_rays_test_fewer_lamps)
+{
+    char text[16384] =
+        LAMP PLASTIC "white polygon floor 0 0 12 0 0 0 9 0 0 9 9 0 0 9 0\n"
+                     "void metal half 0 0 5 .5 .5 .5 1 0\n"
+                     "half polygon m 0 0 12 5 5 1.1 5 5.2 1.1 5.2 5.2 .9 "
+                     "5.2 5 .9\n";
+    size_t len = strlen(text);
+    uint64_t tests[2][2];
+
+    for (int i = 0; i < 100; i++)
+        len += (size_t)snprintf(text + len, sizeof text - len,
+                                "bright sphere s%d 0 0 4 %d %d %g .01\n", i,
+                                i % 10, i / 10, 2 + .05 * (i % 31));
+    for (int coarse = 0; coarse < 2; coarse++)
+        for (int mirrored = 0; mirrored < 2; mirrored++) {
+            world_open(&w, text,
+                       coarse ? "-ab 0 -dj 0 -dt .4 -dc .5"
+                              : "-ab 0 -dj 0 -dt .2 -dc .5");
+            if (mirrored)
+                world_see(&w, 3, 5.1, 1, 1, 0, 0);
+            else
+                world_see(&w, 5.1, 5.1, .5, 0, 0, -1);
+            tests[coarse][mirrored] = w.ctx.counts.shadow_rays;
+        }
+    ck_assert_uint_eq(tests[0][1], tests[1][0]);
+    ck_assert_uint_lt(tests[0][1], tests[0][0]);
+}
+
 /* Sum of the irradiance at the origin, upwards, over so many samplings. */
 static struct rad_rgb
 irradiance_sum(uint64_t key, uint64_t times)
