@@ -375,13 +375,14 @@ TEST(plausible_records_are_taken)
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 3);
 }
 
-/* The log has all records in order, the drain those made here. */
-TEST(log_gives_each_record_once)
+/* The log has all records in order, the drain those made here; the others come
+ * one by one, or together, where those that are refused leave no gap. */
+LOOP_TEST(log_gives_each_record_once, 2)
 {
     enum { N = 1000 };
-    static struct rad_ambrec out[N];
+    static struct rad_ambrec out[N], in[2 * N];
     uint64_t cursor = 0;
-    size_t got = 0, n;
+    size_t got = 0, all = 0, n;
 
     world_open(&w, PLASTIC CUBE, CACHED);
     ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, out, N), 0);
@@ -393,8 +394,16 @@ TEST(log_gives_each_record_once)
         struct rad_ambrec rec =
             record(1.9 * rad_rand(1, (uint32_t)i) - .95, 0, 0, (float)i, 0);
 
-        ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+        in[all++] = rec;
+        if (i % 7 == 0) {
+            in[all] = rec;
+            in[all++].radius[0] = 0;
+        }
+        if (_i == 0)
+            ck_assert(rad_ambient_insert(w.job->ambient, &rec));
     }
+    if (_i == 1)
+        rad_ambient_insert_all(w.job->ambient, in, all);
     while ((n = rad_ambient_list(w.job->ambient, &cursor, out + got, 77)) > 0)
         got += n;
     ck_assert_uint_eq(got, N);
