@@ -515,27 +515,34 @@ TEST(veil_is_light_scattered_by_angle)
     rad_picture_release(&p);
 }
 
-/* [cd/m2] of a pure blue: rods alone, half and half, cones alone. */
+/* [cd/m2] of a pure colour: rods alone, half and half, cones alone. */
 static const struct {
     double lum, cones;
 } dusk[] = { { .001, 0 }, { 2.81281, .5 }, { 10, 1 } };
 
 LOOP_TEST(colours_fade_in_the_dark, N_ELEM(dusk))
 {
+    static const double seen[3] = { .265074126, .670114631, .064811243 };
+    static const double by_rods[3] = { .062, .608, .330 };
     struct rad_human h = { .linear = true, .scale = 1, .colour = true };
     struct rad_picture p = blank(4, 4);
-    float b = (float)(dusk[_i].lum / 179 / .064811243);
-    double rods = (1 - dusk[_i].cones) * .330 * b;
     struct rad_rgb row[4];
-    struct rad_eye *e;
 
-    for (int i = 0; i < 16; i++)
-        p.L[i] = rad_rgb(0, 0, b);
-    e = rad_eye_new(&p, NULL, false, NULL);
-    rad_eye_row(e, &h, 1, row);
-    ck_assert_double_eq_tol(row[2].r, rods, 1e-5 * b);
-    ck_assert_double_eq_tol(row[2].b, rods + dusk[_i].cones * b, 1e-5 * b);
-    rad_eye_free(e);
+    for (int c = 0; c < 3; c++) {
+        double L = dusk[_i].lum / 179 / seen[c], cones = dusk[_i].cones * L;
+        double rods = (1 - dusk[_i].cones) * by_rods[c] * L;
+        struct rad_eye *e;
+
+        for (int i = 0; i < 16; i++)
+            p.L[i] = rad_rgb(c == 0 ? (float)L : 0, c == 1 ? (float)L : 0,
+                             c == 2 ? (float)L : 0);
+        e = rad_eye_new(&p, NULL, false, NULL);
+        rad_eye_row(e, &h, 1, row);
+        ck_assert_double_eq_tol(row[2].r, rods + (c == 0) * cones, 1e-5 * L);
+        ck_assert_double_eq_tol(row[2].g, rods + (c == 1) * cones, 1e-5 * L);
+        ck_assert_double_eq_tol(row[2].b, rods + (c == 2) * cones, 1e-5 * L);
+        rad_eye_free(e);
+    }
     rad_picture_release(&p);
 }
 
