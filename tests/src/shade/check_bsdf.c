@@ -641,6 +641,33 @@ TEST(scattered_light_passes_what_is_behind)
     ck_assert_double_eq_tol(some, .4, 1e-3); /* both parts are Lambertian */
 }
 
+/* ... and so do lamps: one before the surface lights it where it is met, one
+ * behind it a thickness deeper. */
+TEST(a_thick_surface_is_lit_from_both_sides)
+{
+    static const struct {
+        const char *lamp;
+        double x, z; /* from the place that it lights */
+    } lit[] = {
+        { "lamp sphere l 0 0 4 2 0 2 .1\n", 2, 2 },
+        { "lamp sphere l 0 0 4 4 0 -5 .1\n", 4, 4 },
+    };
+
+    for (int i = 0; i < 2; i++) {
+        double d2 = lit[i].x * lit[i].x + lit[i].z * lit[i].z;
+        double want = .2 * lit[i].z / sqrt(d2) * .01 / d2 * 9;
+        char scene[1024];
+
+        snprintf(scene, sizeof scene,
+                 "void trans g 0 0 7 1 1 1 0 .1 1 1\n"
+                 "g ring eye 0 0 8 0 0 3 0 0 1 0 9\n"
+                 "void BSDF m 6 1 even.xml 0 1 0 . 0 0\nm" PANE "%s",
+                 lit[i].lamp);
+        ck_assert_double_eq_tol(see(scene, PLAIN " -st 0", 0, 0, 9).g, want,
+                                2e-3 * want);
+    }
+}
+
 /* Sampled light of an even sky is what is scattered. */
 TEST(sampled_light_is_all_of_it)
 {
