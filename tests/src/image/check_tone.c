@@ -413,6 +413,25 @@ TEST(small_ranges_are_shown_by_a_factor)
     rad_picture_release(&p);
 }
 
+/* The first bin, below all samples, gets half of the next, as in pcond: the
+ * darkest are not shown black.  Of an even histogram nothing is trimmed. */
+TEST(the_darkest_are_shared_by_two_bins)
+{
+    struct rad_histogram world = { .total = 0 };
+    struct rad_human h;
+    double step;
+
+    ck_assert(rad_human_range(&h, 1, 1000));
+    step = (h.bmax - h.bmin) / RAD_HUMAN_BINS;
+    for (int i = 1; i < RAD_HUMAN_BINS; i++)
+        rad_human_count(&h, &world, exp(h.bmin + (i + .5) * step), 1);
+    rad_human_adapt(&h, &world, false);
+    ck_assert(!h.linear);
+    ck_assert_double_eq_tol(h.below[1] * (RAD_HUMAN_BINS - 1), .5, 1e-9);
+    for (int i = 2; i < RAD_HUMAN_BINS; i++)
+        ck_assert_double_eq_tol(h.below[i] * (RAD_HUMAN_BINS - 1), i - 1, 1e-9);
+}
+
 /* Six orders of magnitude, evenly, and a wall that is most of the picture: the
  * curve spans the screen, and nowhere is the screen's step of luminance more
  * thresholds than the world's, but for the share that may stay untrimmed. */
