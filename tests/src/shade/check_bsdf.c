@@ -2,6 +2,7 @@
  * scattering data, and the materials that use them */
 #include "config.h"
 
+#include "base/rng.h"
 #include "scene/bsdf/bsdf.h"
 #include "tests/world.h"
 
@@ -560,6 +561,45 @@ TEST(direct_light_follows_the_data)
     double value = .11, omega = M_PI * .01 / d2;
 
     ck_assert_double_eq_tol(L.g, value * cos_l * omega * 9, 2e-3 * L.g);
+}
+
+/* Mean light of a lamp overhead, scattered at the origin to 60 degrees from the
+ * vertical, with -ss .1. */
+static double
+scattered_to(struct world *at, double azimuth, int times)
+{
+    double x = 2 * cos(azimuth), y = 2 * sin(azimuth), z = 2 / sqrt(3), sum = 0;
+
+    for (int i = 0; i < times; i++) {
+        struct rad_ray r;
+
+        world_ray(at, &r, x, y, z, -x, -y, -z);
+        r.key = rad_key_branch(5, (uint64_t)i);
+        rad_ray_trace(&at->ctx, &r);
+        sum += (double)r.L.g / times;
+    }
+    return sum;
+}
+
+/* An eye between two patches gets the mean of them. */
+TEST(the_eye_is_jittered_evenly)
+{
+    struct world at = { 0 };
+
+    ck_assert_int_eq(world_try(&at,
+                               "void BSDF m 6 0 matrix.xml 0 1 0 . 0 0\nm" PANE
+                               "lamp sphere l 0 0 4 0 0 5 .1\n",
+                               PLAIN " -ss .1", &files),
+                     0);
+    for (int i = 0; i < 4; i++) {
+        double a = scattered_to(&at, i * M_PI / 2, 1);
+        double b = scattered_to(&at, (i + 1) * M_PI / 2, 1);
+        double mean = scattered_to(&at, (i + .5) * M_PI / 2, 20000);
+
+        ck_assert_double_ne(a, b);
+        ck_assert_double_eq_tol(mean, (a + b) / 2, .02 * fabs(a - b));
+    }
+    world_close(&at);
 }
 
 /* A part of the vector that has no value is 0. */
