@@ -201,13 +201,21 @@ warning_fault(const struct rad_scene *scene, uint32_t object, uint64_t count,
 {
     struct rad_error what = { 0 };
     char place[WARNING_SIZE];
+    enum rad_otype type;
+    bool upright; /* has it an up vector, without which it is black? */
 
     if (object >= (uint32_t)scene->nobjects)
         return false;
+    type = scene->objects[object].type;
+    upright = type == RAD_BSDF || type == RAD_ABSDF;
     rad_scene_fail(scene, &scene->objects[object], &what, RAD_EDATA,
-                   "no value in %" PRIu64
-                   " place%s (domain error, division by zero or missing "
-                   "argument), passed over there",
+                   upright ? "no way up, or no value, in %" PRIu64
+                             " place%s (up vector along the normal, domain "
+                             "error, division by zero or missing argument), "
+                             "black there"
+                           : "no value in %" PRIu64
+                             " place%s (domain error, division by zero or "
+                             "missing argument), passed over there",
                    count, count == 1 ? "" : "s");
     rad_error_format(&what, place, sizeof place);
     snprintf(text, WARNING_SIZE, "warning: %.*s", WARNING_SIZE - 12, place);

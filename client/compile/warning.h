@@ -30,8 +30,8 @@ bool warning_of(const struct compiled *c, int i, char text[WARNING_SIZE]);
 bool warning_dark(const struct compiled *c, bool indirect,
                   char text[WARNING_SIZE]);
 
-/* Warn that functions of object number `object` failed in `count` places;
- * false: there is no such object. */
+/* Warn that functions of object number `object`, or its up vector, failed in
+ * `count` places; false: there is no such object. */
 bool warning_fault(const struct rad_scene *scene, uint32_t object,
                    uint64_t count, char text[WARNING_SIZE]);
 

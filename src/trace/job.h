@@ -76,8 +76,8 @@ void rad_job_free(struct rad_job *job);
  * compiled depends on it.  Thread: one, while none renders. */
 void rad_job_show(struct rad_job *job, int samples);
 
-/* Objects whose functions failed to give a value: the first few by number; the
- * list ends with count 0. */
+/* Objects whose functions failed to give a value, or whose up vector failed to
+ * orient a surface: the first few by number; the list ends with count 0. */
 #define RAD_MAX_FAULTS 4
 struct rad_fault {
     int32_t object;
@@ -102,7 +102,8 @@ struct rad_counts {
     struct rad_geom_counts geom;
 };
 
-/* Count that a function of the object had no value. */
+/* Count that a function of the object had no value, or that its up vector does
+ * not orient a surface. */
 void rad_counts_fault(struct rad_counts *c, int32_t object);
 
 /* Count that unsound rays touched the pixel at column x and row y: once for its

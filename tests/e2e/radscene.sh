@@ -329,6 +329,22 @@ expect 0 "warning: log.rad:3: mixfunc 'two': no value in 1 place " \
     sh -c "$radscene rays -ab 0 log.rad <rays"
 [ "$(wc -l <err)" -eq 2 ] || fail 'said more than twice'
 
+# a BSDF whose up vector is its normal is black, and told of
+cat >up.rad <<END
+void BSDF window 6 0 $scenes/bsdf_matrix.xml 0 1 0 .
+0
+0
+void glow g 0 0 4 1 1 1 0
+g source sky 0 0 4 0 0 1 360
+window polygon pane 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9
+END
+printf '0 0 0 0 1 0\n0 9 1 0 -1 0\n0 0 0 0 -1 0\n' >rays
+expect 0 "warning: up.rad:1: BSDF 'window': no way up, or no value, in 2 places" \
+    sh -c "$radscene rays -ab 0 up.rad <rays"
+same '0 0 0
+0 0 0
+1 1 1'
+
 # rays: into the ball, and to the sky
 printf '0 0 -5 0 0 1\n0 0 9 0 0 1\n' >rays
 expect 0 '' sh -c "$radscene rays -ab 0 -av 1 1 1 good.rad <rays"

@@ -640,19 +640,21 @@ set_diffuse(struct scatter_hit *hit, bool front)
 }
 
 /* Evaluate thickness and up vector.  As in Radiance a number without a value is
- * 0. */
-static void
+ * 0; false: there is such a number, and it has been counted. */
+static bool
 evaluate(const struct scatter_hit *hit, double *thick, double up[3])
 {
     const struct scatter *s = hit->s;
     double v[4];
+    bool sound =
+        rad_expr_values_all(hit->ctx, &s->expr, hit->r, 0, s->expr.n, false, v);
 
-    rad_expr_values_all(hit->ctx, &s->expr, hit->r, 0, s->expr.n, false, v);
     *thick = s->proxy_type ? v[0] * rad_expr_scale(&s->expr, hit->r) : 0;
     if (fabs(*thick) <= RAD_TINY)
         *thick = 0;
     rad_copy(up, v + s->proxy_type);
     rad_expr_outward(&s->expr, hit->r, up);
+    return sound;
 }
 
 /* Does the ray see the geometry that the surface stands for?  Yes, if it is a
@@ -698,7 +700,7 @@ rad_scatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                   struct rad_ray *r)
 {
     struct scatter_hit hit = { .ctx = ctx, .r = r, .s = mat->data };
-    bool front = r->cos_o > 0, shadow = r->path & RAD_RAY_SHADOW;
+    bool front = r->cos_o > 0, shadow = r->path & RAD_RAY_SHADOW, sound;
     struct rad_rgb reflected, passed;
     double up[3];
 
@@ -706,7 +708,7 @@ rad_scatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
         rad_ray_transmit(ctx, r);
         return true;
     }
-    evaluate(&hit, &hit.thick, up);
+    sound = evaluate(&hit, &hit.thick, up);
     if (shows_geometry(&hit, hit.thick)) {
         rad_ray_transmit(ctx, r);
         return true;
@@ -716,8 +718,11 @@ rad_scatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
         return true;
     rad_ray_texture(ctx, r, mat->next);
     rad_ray_normal(r, hit.norm);
-    if (!set_frame(&hit, up))
+    if (!set_frame(&hit, up)) {
+        if (sound)
+            rad_counts_fault(&ctx->counts, hit.s->expr.object);
         return true;
+    }
     if (shadow) {
         pass_shadow(&hit);
         return true;
