@@ -247,3 +247,55 @@ TEST(no_date_is_moved_into_the_future)
     ck_assert_uint_eq(age, HOUR);
     journal_close(j);
 }
+
+/* Times of a job that goes on: offered, submitted, opened, a unit's end. */
+static int
+note_times(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    uint64_t *ms = arg;
+
+    (void)err;
+    ck_assert_uint_eq(s->nunits, 1);
+    ms[0] = s->offer_ms;
+    ms[1] = s->submit_ms;
+    ms[2] = s->open_ms;
+    ms[3] = s->units[0].end_ms;
+    return 0;
+}
+
+/* Else its statistics would have it take decades. */
+TEST(the_dates_of_a_job_are_moved_alike)
+{
+    struct saved_job job = { .spec = kept_spec,
+                             .owner = "ana",
+                             .text = "",
+                             .offer_ms = NOV26 - 5 * HOUR,
+                             .submit_ms = NOV26 - 4 * HOUR,
+                             .open_ms = NOV26 - 3 * HOUR };
+    struct saved_unit u = { .area = { .width = W, .height = 3 },
+                            .attempt = 1,
+                            .tries = 1,
+                            .worker = "ws1",
+                            .stored = 3,
+                            .now = 3,
+                            .done = true,
+                            .end_ms = NOV26 - 2 * HOUR };
+    uint64_t date = NOV26 - DAY, epoch, ms[4];
+    struct rad_error err = { 0 };
+    char path[160];
+    struct journal *j;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    ck_assert_int_eq(journal_begin_life(j, &date, &epoch, NULL), 0);
+    ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
+    ck_assert_int_eq(journal_put_unit(j, kept_job, &u, NULL), 0);
+    ck_assert_int_eq(journal_put_rows(j, kept_job, &u, NULL), 0);
+    ck_assert_int_eq(journal_put_date(j, NOV26, NULL), 0);
+    date = NOV26 + 9999 * DAY;
+    ck_assert_int_eq(journal_begin_life(j, &date, &epoch, NULL), 0);
+    ck_assert_msg(journal_read(j, note_times, ms, &err) == 0, "%s", err.what);
+    for (unsigned i = 0; i < 4; i++)
+        ck_assert_uint_eq(ms[i], date - (17 - i) * HOUR);
+    journal_close(j);
+}
