@@ -21,7 +21,7 @@ include client/trial/local.mk
 include client/ctl/local.mk
 
 # what a client links with, before LIBRAD
-LIBCLIENT = libclient.a $(LIBNET) $(JANSSON_LIBS)
+LIBCLIENT = libclient.a libdaemon.a $(LIBNET) $(JANSSON_LIBS)
 
 bin_PROGRAMS += radscene
 radscene_SOURCES = client/radscene.c

@@ -209,11 +209,19 @@ table_print(FILE *to, const json_t *root)
 void
 table_print_json(FILE *to, const json_t *root)
 {
-    char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    char *safe = text ? rad_text_json(text, strlen(text)) : NULL;
+    json_malloc_t get;
+    json_free_t give;
+    char *text, *safe;
+    size_t n;
 
-    if (safe)
+    json_get_alloc_funcs(&get, &give); /* which end the program, or succeed */
+    text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    n = text ? strlen(text) : 0;
+    safe = text ? get(RAD_TEXT_JSON_ROOM(n)) : NULL;
+    if (safe) {
+        rad_text_json(text, n, safe);
         fprintf(to, "%s\n", safe);
-    free(safe);
-    free(text);
+    }
+    give(safe);
+    give(text);
 }

@@ -9,6 +9,7 @@
 #include "base/help.h"
 #include "base/number.h"
 #include "base/output.h"
+#include "ground/memory.h"
 
 #include <stddef.h>
 #include <stdio.h>
@@ -425,6 +426,7 @@ main(int argc, char *argv[])
     int rc = 0;
 
     rad_output_guard();
+    json_set_alloc_funcs(memory_need, free);
     show_init(&c.show);
     if (asks_for(argc, argv, "--help"))
         help();

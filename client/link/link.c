@@ -12,6 +12,7 @@
 #include "net/dial.h"
 #include "net/key/keyfile.h"
 #include "net/threads.h"
+#include "ground/memory.h"
 
 #include <fcntl.h>
 #include <limits.h>
@@ -340,6 +341,7 @@ link_loop_init(uv_loop_t *loop, bool works, struct rad_error *err)
 {
     int rc;
 
+    memory_catch();
     if (!can_open(LOOP_DESCRIPTORS))
         return rad_fail(err, RAD_ENOMEM,
                         "too few descriptors for an event loop: see ulimit -n");

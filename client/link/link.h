@@ -27,9 +27,10 @@ struct link_where {
     const int *wake;
 };
 
-/* As uv_loop_init(), which ends the program where it finds no descriptor for
+/* As uv_loop_init(), which aborts the program where it finds no descriptor for
  * what libuv makes but once; nor, if `works` says that work will be queued,
- * threads.  RAD_ENOMEM: memory or descriptors are short; RAD_ESHORT: threads.
+ * threads.  Without memory libuv ends the program from now on (memory.h).
+ * RAD_ENOMEM: memory or descriptors are short; RAD_ESHORT: threads.
  */
 int link_loop_init(uv_loop_t *loop, bool works, struct rad_error *err);
 

@@ -11,7 +11,7 @@
 #include "machine/fingerprint.h"
 #include "net/log.h"
 #include "child/sandbox.h"
-#include "ground/service.h"
+#include "ground/memory.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -268,7 +268,7 @@ render_main(int argc, char *argv[])
         log_err("%s", err.what);
         return rad_exit_status(err.code);
     }
-    service_catch_no_memory();
+    memory_catch();
     rc = uv_loop_init(&r.loop);
     if (rc < 0) {
         log_err("cannot start: %s", uv_strerror(rc));

@@ -3,6 +3,8 @@
 
 #include "ground/daemon.h"
 
+#include "ground/memory.h"
+
 #include "base/output.h"
 #include "net/log.h"
 #include "net/threads.h"
@@ -222,7 +224,7 @@ daemon_run(struct daemon *d, int argc, char *argv[])
     log_open(d->table->program,
              (enum log_level)log_level_parse(d->set->log_level));
     signal(SIGPIPE, SIG_IGN);
-    service_catch_no_memory();
+    memory_catch();
     if (service_raise_descriptors(&err) < 0)
         return fail(d, &err);
     d->notify = service_notify_open();

@@ -10,6 +10,8 @@ libdaemon_a_SOURCES += \
 	daemon/ground/lossy.h \
 	daemon/ground/mark.c \
 	daemon/ground/mark.h \
+	daemon/ground/memory.c \
+	daemon/ground/memory.h \
 	daemon/ground/sanitized.h \
 	daemon/ground/service.c \
 	daemon/ground/service.h \

@@ -11,7 +11,6 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <malloc.h>
-#include <openssl/crypto.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -102,65 +101,6 @@ service_credential(const char *name, char *path, size_t size)
     if (!any)
         path[0] = '\0';
     return any;
-}
-
-static void *
-need(void *p)
-{
-    if (!p)
-        log_out_of_memory();
-    return p;
-}
-
-void *
-service_malloc(size_t n)
-{
-    return need(malloc(n));
-}
-
-static void *
-need_realloc(void *p, size_t n)
-{
-    p = realloc(p, n);
-    return n > 0 ? need(p) : p;
-}
-
-static void *
-need_calloc(size_t n, size_t size)
-{
-    return need(calloc(n, size));
-}
-
-/* libcrypto's allocators get its source file and line, too. */
-static void *
-crypto_malloc(size_t n, const char *file, int line)
-{
-    (void)file;
-    (void)line;
-    return n > 0 ? service_malloc(n) : NULL;
-}
-
-static void *
-crypto_realloc(void *p, size_t n, const char *file, int line)
-{
-    (void)file;
-    (void)line;
-    return need_realloc(p, n);
-}
-
-static void
-crypto_free(void *p, const char *file, int line)
-{
-    (void)file;
-    (void)line;
-    free(p);
-}
-
-void
-service_catch_no_memory(void)
-{
-    CRYPTO_set_mem_functions(crypto_malloc, crypto_realloc, crypto_free);
-    uv_replace_allocator(service_malloc, need_realloc, need_calloc, free);
 }
 
 int

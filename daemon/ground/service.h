@@ -32,15 +32,6 @@ uint64_t service_watchdog_ms(void);
  * and path is "": there is no such file, or only white space in it. */
 bool service_credential(const char *name, char *path, size_t size);
 
-/* From now on end the process by log_out_of_memory() when libuv or libcrypto
- * cannot allocate, for they would abort or crash.  Call before the first use of
- * both. */
-void service_catch_no_memory(void);
-
-/* As malloc(), but the process ends by log_out_of_memory(): for jansson, with
- * which a member of an object would be missing. */
-void *service_malloc(size_t n);
-
 /* Write n lines to path; a file appears there only when it is whole (output.h).
  * RAD_ECANTCREAT or RAD_EIO. */
 int service_ports_file(const char *path, const char *const lines[], int n,

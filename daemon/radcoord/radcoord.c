@@ -6,6 +6,7 @@
 #include "radcoord/radcoord_impl.h"
 
 #include "net/log.h"
+#include "ground/memory.h"
 #include "ground/service.h"
 
 #include <jansson.h>
@@ -251,7 +252,7 @@ start(void *arg, struct rad_error *err)
     r->shell.turns = &r->turns;
     fair_init(&r->fair, &r->daemon.loop);
     service_return_memory();
-    json_set_alloc_funcs(service_malloc, free);
+    json_set_alloc_funcs(memory_need, free);
     if (!r->set.keys[0]) /* else the key file that systemd passes, if any */
         service_credential("keys", r->set.keys, sizeof r->set.keys);
     if (keyring_open(&r->keys, r->set.keys, err) < 0)

@@ -3,6 +3,7 @@
 
 #include "web/radweb_impl.h"
 
+#include "ground/memory.h"
 #include "web/confine.h"
 
 #include <jansson.h>
@@ -130,7 +131,7 @@ start(void *arg, struct rad_error *err)
     give_way();
     take_credentials(&r->set);
     service_return_memory(); /* of pictures */
-    json_set_alloc_funcs(service_malloc, free);
+    json_set_alloc_funcs(memory_need, free);
     if (radweb_read_token(r, err) < 0 || radweb_check_listen(r, err) < 0)
         return err->code;
     r->session = session_new(&r->daemon.loop, &conf);

@@ -196,14 +196,13 @@ escape(char *to, uint32_t code)
                            (unsigned)(0xdc00 + (code & 0x3ff)));
 }
 
-char *
-rad_text_json(const char *text, size_t n)
+void
+rad_text_json(const char *text, size_t n, char *out)
 {
-    char *out = malloc(6 * n + 1); /* a byte becomes at most six */
     size_t to = 0;
     uint32_t code = 0;
 
-    for (size_t i = 0; out && i < n;) {
+    for (size_t i = 0; i < n;) {
         size_t k = rad_text_char(text + i, n - i, &code);
 
         if (k == 0) {
@@ -216,7 +215,5 @@ rad_text_json(const char *text, size_t n)
         }
         i += k ? k : 1;
     }
-    if (out)
-        out[to] = '\0';
-    return out;
+    out[to] = '\0';
 }

@@ -43,7 +43,8 @@ size_t rad_text_fit(const char *s, size_t columns);
 
 /* Make n bytes of JSON text safe for a terminal: unsafe characters become
  * \uXXXX, which means the same, since they occur only in strings; newlines
- * stay.  malloc'd and terminated; NULL when memory is out. */
-char *rad_text_json(const char *text, size_t n);
+ * stay.  out has RAD_TEXT_JSON_ROOM(n) bytes, and is terminated. */
+#define RAD_TEXT_JSON_ROOM(n) (6 * (n) + 1)
+void rad_text_json(const char *text, size_t n, char *out);
 
 #endif

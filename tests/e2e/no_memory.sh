@@ -61,5 +61,7 @@ out_of "$radscene" freeze scene.rad
 out_of "$radscene" rays -ab 1 -ad 2048 -as 64 -aa 0 scene.rad
 "$radsubmit" --local -vf "$scenes/room.vf" -x 16 -y 12 -ab 0 -o a.hdr \
     "$scenes/room.rad" 2>err || fail "a picture: $(cat err)"
+"$radctl" key add worker:w1 --keys="$work/keys" >out || fail "a key"
+out_of "$radctl" --json key list --keys="$work/keys"
 out_of "$raderr" --map made.png a.hdr a.hdr
 finish

@@ -98,11 +98,11 @@ TEST(json_says_the_same_without_what_a_terminal_obeys)
 {
     static const char text[] = "{\n \"é\": \"a\xc2\x9b\x7f\xe2\x80\xae"
                                "\xf3\xa0\x81\x81\"\n}";
-    char *out = rad_text_json(text, sizeof text - 1);
+    char out[RAD_TEXT_JSON_ROOM(sizeof text - 1)];
 
+    rad_text_json(text, sizeof text - 1, out);
     ck_assert_str_eq(out, "{\n \"é\": \"a\\u009b\\u007f\\u202e"
                           "\\udb40\\udc41\"\n}");
-    free(out);
 }
 
 TEST(message_is_cut_between_characters)
