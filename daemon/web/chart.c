@@ -132,7 +132,9 @@ put_span(struct markup *m, const struct units *u, const struct units_span *s)
 static size_t
 put_worker(struct markup *m, const struct units *u, size_t worker, size_t i)
 {
-    markup_raw(m, "<div class=\"gantt\"><span class=\"name\">");
+    /* those who hear the page have the table of the job's workers */
+    markup_raw(m, "<div class=\"gantt\" aria-hidden=\"true\">"
+                  "<span class=\"name\">");
     markup_text(m, i < u->nspans && u->spans[i].kind == UNITS_PASS
                        ? "(passes)"
                        : u->workers[worker]);
@@ -148,6 +150,15 @@ put_worker(struct markup *m, const struct units *u, size_t worker, size_t i)
     return i;
 }
 
+static bool
+has_runs(const struct units *u)
+{
+    for (size_t i = 0; i < u->nspans; i++)
+        if (u->spans[i].kind == UNITS_RUN)
+            return true;
+    return false;
+}
+
 void
 chart_units(struct markup *m, const struct units *u)
 {
@@ -159,12 +170,15 @@ chart_units(struct markup *m, const struct units *u)
     }
     for (size_t k = 0; k < u->nworkers; k++)
         i = put_worker(m, u, k, i);
-    markup_raw(m, "<div class=\"gantt\"><span class=\"name\"></span><div "
-                  "class=\"times\"><span>");
+    markup_raw(m, "<div class=\"gantt\" aria-hidden=\"true\">"
+                  "<span class=\"name\"></span><div class=\"times\"><span>");
     markup_span(m, u->start_s);
     markup_raw(m, "</span><span>");
     markup_span(m, (u->start_s + u->end_s) / 2);
     markup_raw(m, "</span><span>");
     markup_span(m, u->end_s);
     markup_raw(m, "</span></div></div>");
+    if (has_runs(u))
+        markup_raw(m, "<p class=\"dim\" aria-hidden=\"true\">Units that are at "
+                      "work are drawn hollow.</p>");
 }

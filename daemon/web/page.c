@@ -47,7 +47,8 @@ page_begin(struct markup *m, const char *path, const char *title,
     }
     markup_raw(m, "><header><a class=\"home\"");
     put_address(m, "href", path, "");
-    markup_raw(m, ">radd</a><span id=\"live\"></span></header>\n<main>\n");
+    markup_raw(m, ">radd</a><span id=\"live\" "
+                  "role=\"status\"></span></header>\n<main>\n");
 }
 
 void
@@ -128,6 +129,28 @@ page_state(struct markup *m, const char *state)
 }
 
 void
+page_table_begin(struct markup *m, const char *label,
+                 const struct page_column *columns, int n)
+{
+    /* with a place in the order of Tab, so that keys can scroll it */
+    markup_print(m,
+                 "<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
+                 "aria-label=\"%s\"><table aria-label=\"%s\"><thead><tr>",
+                 label, label);
+    for (int i = 0; i < n; i++)
+        markup_print(m, "<th scope=\"col\"%s>%s</th>",
+                     columns[i].number ? " class=\"num\"" : "",
+                     columns[i].title);
+    markup_raw(m, "</tr></thead><tbody>\n");
+}
+
+void
+page_table_end(struct markup *m)
+{
+    markup_raw(m, "</tbody></table></div>");
+}
+
+void
 page_row(struct markup *m, const char *key)
 {
     markup_raw(m, "<tr data-key=\"");
@@ -142,8 +165,10 @@ page_done(struct markup *m, const json_t *job)
 
     done = done < 0 ? 0 : done > 1 ? 1 : done;
     /* rounded down, so 100 % means done */
-    markup_print(m, "<progress value=\"%.4f\"></progress> <b>%d %%</b>", done,
-                 (int)(done * 100));
+    markup_print(m,
+                 "<progress value=\"%.4f\" aria-hidden=\"true\"></progress> "
+                 "<b>%d %%</b>",
+                 done, (int)(done * 100));
 }
 
 double

@@ -36,6 +36,15 @@ void page_trouble(struct markup *m, const struct model *c,
                   const struct watch *w);
 /* Write the state of a job or of a worker, with its colour. */
 void page_state(struct markup *m, const char *state);
+/* Begin and end a table, which scrolls sideways where it is wider than the
+ * page. label: its name, for those who hear the page. */
+struct page_column {
+    const char *title;
+    bool number;
+};
+void page_table_begin(struct markup *m, const char *label,
+                      const struct page_column *columns, int n);
+void page_table_end(struct markup *m);
 /* Begin a table's row; page.js knows it by its key, wherever it moves. */
 void page_row(struct markup *m, const char *key);
 /* Write a job's progress, as a bar and in per cent. */

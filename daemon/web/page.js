@@ -46,6 +46,10 @@ class Viewer
         this.canvas = document.createElement("canvas");
         this.canvas.className = "view";
         this.canvas.hidden = true;
+        this.canvas.tabIndex = 0;
+        this.canvas.setAttribute("role", "img");
+        this.canvas.setAttribute("aria-label", image.alt);
+        this.canvas.setAttribute("aria-describedby", "probe");
         image.after(this.canvas);
         this.image = image;
         this.addTools();
@@ -71,6 +75,7 @@ class Viewer
         exposure.append(this.slider, " ", this.said);
         this.choice = document.createElement("select");
         this.choice.id = "mode";
+        this.choice.setAttribute("aria-label", "Show as");
         for (const [value, text] of [[ "tone", "Picture" ],
                                      [ "log", "False colour, 3 decades" ],
                                      [ "linear", "False colour" ]])
@@ -88,13 +93,15 @@ class Viewer
         this.probe = document.createElement("p");
         this.probe.className = "probe";
         this.probe.id = "probe";
-        this.probe.textContent = "Point at the picture for its luminance.";
+        this.probe.textContent = "Point at the picture for its luminance, " +
+                                 "or go there with Tab and the arrow keys.";
         this.canvas.after(box);
         box.after(this.probe);
         this.slider.addEventListener("input", () => this.draw());
         this.choice.addEventListener("change", () => this.draw());
         this.canvas.addEventListener("pointermove", e => this.point(e));
         this.canvas.addEventListener("pointerdown", e => this.point(e));
+        this.canvas.addEventListener("keydown", e => this.step(e));
     }
 
     async load()
@@ -180,7 +187,10 @@ class Viewer
         if (!this.rgbe)
             return;
         const stops = Number(this.slider.value);
-        this.said.textContent = (stops > 0 ? "+" : "") + stops + " stops";
+        const said = (stops > 0 ? "+" : "") + stops + " stops";
+        if (this.said.textContent !== said)
+            this.said.textContent = said;
+        this.slider.setAttribute("aria-valuetext", said);
         const data = new ImageData(this.width, this.height);
         if (this.choice.value === "tone")
             this.fillTone(data.data, 2 ** stops * 0.18 / this.mean);
@@ -188,7 +198,23 @@ class Viewer
             this.fillFalse(data.data, this.top / 2 ** stops,
                            this.choice.value === "log");
         this.canvas.getContext("2d").putImageData(data, 0, 0);
+        if (this.keyed)
+            this.drawCross();
         this.drawLegend(this.top / 2 ** stops);
+    }
+
+    /* Where the keys have gone: white on black, to be seen on any picture. */
+    drawCross()
+    {
+        const c = this.canvas.getContext("2d"), { x, y } = this.at;
+        const unit = this.width / this.canvas.clientWidth;
+        for (const [colour, wide] of [[ "#000", 4 ], [ "#fff", 2 ]]) {
+            c.strokeStyle = colour;
+            c.lineWidth = wide * unit;
+            c.beginPath();
+            c.arc(x + 0.5, y + 0.5, 8 * unit, 0, 2 * Math.PI);
+            c.stroke();
+        }
     }
 
     /* Reinhard et al. 2002, equation 4, on luminance. */
@@ -248,8 +274,36 @@ class Viewer
         const box = this.canvas.getBoundingClientRect();
         const x = Math.floor((e.clientX - box.left) / box.width * this.width);
         const y = Math.floor((e.clientY - box.top) / box.height * this.height);
-        if (this.rgbe && x >= 0 && y >= 0 && x < this.width && y < this.height)
+        if (this.rgbe && x >= 0 && y >= 0 && x < this.width &&
+            y < this.height) {
+            const keyed = this.keyed;
+            this.keyed = false;
+            this.probe.ariaLive = "off"; /* a pointer passes many pixels */
             this.tell(x, y);
+            if (keyed)
+                this.draw();
+        }
+    }
+
+    /* Go by a key: a pixel, with Shift a tenth of the picture. */
+    step(e)
+    {
+        const way = {
+            ArrowLeft : [ -1, 0 ],
+            ArrowRight : [ 1, 0 ],
+            ArrowUp : [ 0, -1 ],
+            ArrowDown : [ 0, 1 ],
+        }[e.key];
+        if (!way || !this.rgbe || e.altKey || e.ctrlKey || e.metaKey)
+            return;
+        e.preventDefault();
+        const far = e.shiftKey ? Math.ceil(this.width / 10) : 1;
+        const at = this.at || { x : this.width >> 1, y : this.height >> 1 };
+        this.keyed = true;
+        this.probe.ariaLive = "polite";
+        this.tell(Math.min(Math.max(at.x + far * way[0], 0), this.width - 1),
+                  Math.min(Math.max(at.y + far * way[1], 0), this.height - 1));
+        this.draw();
     }
 
     tell(x, y)

@@ -3,6 +3,7 @@
 
 #include "web/page.h"
 
+#include "base/list.h"
 #include "web/chart.h"
 
 #include <stdio.h>
@@ -57,34 +58,42 @@ put_summary(struct markup *m, const struct model *c)
 
 /* --- jobs --- */
 
+static const struct page_column job_columns[] = {
+    { "Job", false },   { "Name", false },    { "State", false },
+    { "Done", false },  { "Left", true },     { "Time", true },
+    { "Owner", false }, { "Priority", true }, { "Workers", true },
+    { "Note", false },
+};
+
 static void
 put_job(struct markup *m, const json_t *job)
 {
+    const char *name = markup_member(job, "name");
     double left = page_left(job);
     char brief[9];
 
     snprintf(brief, sizeof brief, "%s", markup_member(job, "job"));
     page_row(m, markup_member(job, "job"));
-    markup_raw(m, "<td><a class=\"id\" href=\"jobs/");
+    markup_raw(m, "<td class=\"id\">");
+    markup_text(m, brief);
+    markup_raw(m, "</td><th scope=\"row\" class=\"name\"><a href=\"jobs/");
     markup_text(m, markup_member(job, "job"));
     markup_raw(m, "\">");
-    markup_text(m, brief);
-    markup_raw(m, "</a></td><td class=\"name\">");
-    markup_text(m, markup_member(job, "name"));
-    markup_raw(m, "</td><td>");
+    markup_text(m, name[0] ? name : brief);
+    markup_raw(m, "</a></th><td>");
     page_state(m, markup_member(job, "state"));
     markup_raw(m, "</td><td class=\"done\">");
     page_done(m, job);
     markup_raw(m, "</td><td class=\"num\">");
     if (left >= 0)
         markup_span(m, left);
-    markup_raw(m, "</td><td class=\"num wide\">");
+    markup_raw(m, "</td><td class=\"num\">");
     markup_span(m, markup_number(job, "elapsed_s"));
-    markup_raw(m, "</td><td class=\"wide\">");
+    markup_raw(m, "</td><td>");
     markup_text(m, markup_member(job, "owner"));
     markup_print(m,
-                 "</td><td class=\"num wide\">%.0f</td><td class=\"num "
-                 "wide\">%.0f</td><td class=\"note wide\">",
+                 "</td><td class=\"num\">%.0f</td><td class=\"num\">%.0f"
+                 "</td><td class=\"note\">",
                  markup_number(job, "priority"), markup_number(job, "workers"));
     markup_text(m, markup_member(job, "text"));
     markup_raw(m, "</td></tr>\n");
@@ -118,16 +127,10 @@ put_jobs(struct markup *m, const struct model *c)
                       "<code>radsubmit</code>.</p></section>\n");
         return;
     }
-    markup_raw(m, "<div class=\"scroll\"><table><thead><tr><th>Job</th>"
-                  "<th>Name</th><th>State</th><th>Done</th>"
-                  "<th class=\"num\">Left</th>"
-                  "<th class=\"num wide\">Time</th><th class=\"wide\">Owner"
-                  "</th><th class=\"num wide\">Priority</th>"
-                  "<th class=\"num wide\">Workers</th><th class=\"wide\">Note"
-                  "</th></tr></thead><tbody>\n");
+    page_table_begin(m, "Jobs", job_columns, N_ELEM(job_columns));
     n = put_jobs_of(m, c->open, 0);
     n = put_jobs_of(m, c->over, n);
-    markup_raw(m, "</tbody></table></div>");
+    page_table_end(m);
     if (kept > (double)n)
         markup_print(m, "<p class=\"dim\">%zu of %.0f jobs are shown.</p>", n,
                      kept);
@@ -136,27 +139,34 @@ put_jobs(struct markup *m, const struct model *c)
 
 /* --- workers --- */
 
+static const struct page_column worker_columns[] = {
+    { "Worker", false }, { "State", false },   { "Load", true },
+    { "Threads", true }, { "Units", true },    { "Memory", true },
+    { "For", true },     { "Address", false }, { "Program", false },
+    { "Note", false },
+};
+
 static void
 put_worker(struct markup *m, const json_t *w)
 {
     page_row(m, markup_member(w, "name"));
-    markup_raw(m, "<td class=\"name\">");
+    markup_raw(m, "<th scope=\"row\" class=\"name\">");
     markup_text(m, markup_member(w, "name"));
-    markup_raw(m, "</td><td>");
+    markup_raw(m, "</th><td>");
     page_state(m, markup_member(w, "state"));
     markup_print(m,
                  "</td><td class=\"num\">%.1f</td><td class=\"num\">%.0f"
-                 "</td><td class=\"num\">%.0f</td><td class=\"num wide\">",
+                 "</td><td class=\"num\">%.0f</td><td class=\"num\">",
                  markup_number(w, "load"), markup_number(w, "threads"),
                  markup_number(w, "units"));
     markup_size(m, markup_number(w, "memory"));
-    markup_raw(m, "</td><td class=\"num wide\">");
+    markup_raw(m, "</td><td class=\"num\">");
     markup_span(m, markup_number(w, "since_s"));
-    markup_raw(m, "</td><td class=\"wide\">");
+    markup_raw(m, "</td><td>");
     markup_text(m, markup_member(w, "address"));
-    markup_raw(m, "</td><td class=\"wide\">");
+    markup_raw(m, "</td><td>");
     markup_text(m, markup_member(w, "program"));
-    markup_raw(m, "</td><td class=\"note wide\">");
+    markup_raw(m, "</td><td class=\"note\">");
     markup_text(m, markup_member(w, "text"));
     markup_raw(m, "</td></tr>\n");
 }
@@ -174,20 +184,14 @@ put_workers(struct markup *m, const struct model *c)
                       "</section>\n");
         return;
     }
-    markup_raw(
-        m, "<div class=\"scroll\"><table><thead><tr><th>Worker</th>"
-           "<th>State</th><th class=\"num\">Load</th>"
-           "<th class=\"num\">Threads</th><th class=\"num\">Units</th>"
-           "<th class=\"num wide\">Memory</th><th class=\"num wide\">For</th>"
-           "<th class=\"wide\">Address</th><th class=\"wide\">Program"
-           "</th><th class=\"wide\">Note</th></tr></thead><tbody>\n");
+    page_table_begin(m, "Workers", worker_columns, N_ELEM(worker_columns));
     json_array_foreach(c->workers, i, row)
     {
         if (i == PAGE_WORKERS)
             break;
         put_worker(m, row);
     }
-    markup_raw(m, "</tbody></table></div>");
+    page_table_end(m);
     if (json_array_size(c->workers) > PAGE_WORKERS)
         markup_print(m, "<p class=\"dim\">%d of %zu workers are shown.</p>",
                      PAGE_WORKERS, json_array_size(c->workers));

@@ -3,6 +3,7 @@
 
 #include "web/page.h"
 
+#include "base/list.h"
 #include "web/chart.h"
 
 #include <string.h>
@@ -126,7 +127,7 @@ put_frames(struct markup *m, const struct watch *w)
 
     if (n <= 1)
         return;
-    markup_raw(m, "<p class=\"frames\">");
+    markup_raw(m, "<nav aria-label=\"Frames\"><p>");
     if (w->frame > 0)
         markup_print(m, "<a href=\"%s?frame=%u\">&larr; frame %u</a> ", w->hex,
                      w->frame - 1, w->frame);
@@ -134,7 +135,7 @@ put_frames(struct markup *m, const struct watch *w)
     if (w->frame + 1 < n)
         markup_print(m, " <a href=\"%s?frame=%u\">frame %u &rarr;</a>", w->hex,
                      w->frame + 1, w->frame + 2);
-    markup_raw(m, "</p>");
+    markup_raw(m, "</p></nav>");
 }
 
 static void
@@ -168,6 +169,12 @@ put_picture(struct markup *m, const struct watch *w)
 
 /* --- units and workers --- */
 
+static const struct page_column columns[] = {
+    { "Worker", false },   { "Threads", true },      { "Units", true },
+    { "Rays", true },      { "Busy", true },         { "Bytes in", true },
+    { "Bytes out", true }, { "Memory, most", true },
+};
+
 static void
 put_worker(struct markup *m, const json_t *w)
 {
@@ -176,10 +183,10 @@ put_worker(struct markup *m, const json_t *w)
     double all = busy + idle + wait;
 
     page_row(m, markup_member(w, "name"));
-    markup_raw(m, "<td class=\"name\">");
+    markup_raw(m, "<th scope=\"row\" class=\"name\">");
     markup_text(m, markup_member(w, "name"));
     markup_print(m,
-                 "</td><td class=\"num\">%.0f</td><td class=\"num\">%.0f"
+                 "</th><td class=\"num\">%.0f</td><td class=\"num\">%.0f"
                  "</td><td class=\"num\">",
                  markup_number(w, "threads"), markup_number(w, "units"));
     markup_count(m, markup_number(w, "rays") +
@@ -187,11 +194,11 @@ put_worker(struct markup *m, const json_t *w)
     markup_raw(m, "</td><td class=\"num\">");
     if (all > 0)
         markup_print(m, "%.0f %%", 100 * busy / all);
-    markup_raw(m, "</td><td class=\"num wide\">");
+    markup_raw(m, "</td><td class=\"num\">");
     markup_size(m, markup_number(w, "bytes_in"));
-    markup_raw(m, "</td><td class=\"num wide\">");
+    markup_raw(m, "</td><td class=\"num\">");
     markup_size(m, markup_number(w, "bytes_out"));
-    markup_raw(m, "</td><td class=\"num wide\">");
+    markup_raw(m, "</td><td class=\"num\">");
     markup_size(m, markup_number(w, "peak_rss_bytes"));
     markup_raw(m, "</td></tr>\n");
 }
@@ -208,15 +215,9 @@ put_units(struct markup *m, const struct watch *w)
     else
         markup_raw(m, "<p class=\"empty\">No statistics yet.</p>");
     if (json_array_size(rows) > 0) {
-        markup_raw(m, "<div class=\"scroll\"><table><thead><tr><th>Worker</th>"
-                      "<th class=\"num\">Threads</th><th class=\"num\">Units"
-                      "</th><th class=\"num\">Rays</th><th class=\"num\">Busy"
-                      "</th><th class=\"num wide\">Bytes in</th>"
-                      "<th class=\"num wide\">Bytes out</th>"
-                      "<th class=\"num wide\">Memory, most</th></tr></thead>"
-                      "<tbody>\n");
+        page_table_begin(m, "Workers of this job", columns, N_ELEM(columns));
         json_array_foreach(rows, i, row) put_worker(m, row);
-        markup_raw(m, "</tbody></table></div>");
+        page_table_end(m);
     }
     markup_raw(m, "</section>\n");
 }

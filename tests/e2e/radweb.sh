@@ -62,6 +62,7 @@ until_true 60 is_done || fail "the job is not done"
 ask same_as_radctl "$url" "$radctl" --coordinator="$tcp" \
     --key="$work/admin.key" --json
 ask names_stay_text "$url" "$id"
+ask heard "$url" "$id"
 ask picture_is_the_job_s "$url" "$id" b.hdr
 ask metrics "$url"
 ask headers "$url" "$id"

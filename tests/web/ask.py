@@ -116,6 +116,23 @@ def names_stay_text():
                     attributes
 
 
+def heard():
+    """What those need who hear a page, or go through it by keys."""
+    needed = {"html": "lang", "th": "scope", "table": "aria-label",
+              "img": "alt", "progress": "aria-hidden"}
+    for path in ("/", "/jobs/" + rest[0]):
+        tags = Page(text(path)).tags
+        names = [t for t, _ in tags]
+        assert names.count("h1") == 1 and "main" in names, names
+        for tag, a in tags:
+            assert tag not in needed or a.get(needed[tag]), (tag, a)
+            if a.get("class") == "scroll":
+                assert "tabindex" in a and "aria-label" in a, a
+            if a.get("id") == "live":
+                assert a["role"] == "status", a
+        assert ("th", {"scope": "row", "class": "name"}) in tags
+
+
 def pixels(data):
     """Width, height and RGBE of a picture as radd writes it."""
     head, body = data.split(b"\n\n", 1)

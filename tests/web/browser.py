@@ -134,6 +134,10 @@ class Browser:
     def point(self, selector):
         self.pointer("mouseMoved", *self.middle(selector))
 
+    def press(self, key):
+        for kind in ("keyDown", "keyUp"):
+            self.say("Input.dispatchKeyEvent", type=kind, key=key)
+
     def shoot(self, path):
         """The whole page."""
         m = self.say("Page.getLayoutMetrics")["cssContentSize"]

@@ -67,13 +67,24 @@ def luminance_at(x, y):
                                      .064811 * (bl + .5)) if e else 0
 
 
-def compare_pointer(b):
-    b.point("canvas.view")
+def compare_probe(b):
+    """What is said of a pixel is the picture's; returns where it is."""
     said = b.until("document.querySelector('#probe b') && "
                    "document.getElementById('probe').textContent")
     x, y = int(said.split()[1]), int(said.split()[3].rstrip(":"))
     told = float(said.split(": ")[1].split()[0])
     assert abs(told / luminance_at(x, y) - 1) < .01, (said, luminance_at(x, y))
+    return x, y
+
+
+def compare_pixels(b):
+    """By the pointer, and by the keys of those who have none."""
+    b.point("canvas.view")
+    x, y = compare_probe(b)
+    b.run("document.querySelector('canvas.view').focus()")
+    for key in ("ArrowRight", "ArrowUp"):
+        b.press(key)
+    assert compare_probe(b) == (x + 1, y - 1)
 
 
 def draw_otherwise(b):
@@ -157,7 +168,7 @@ def main():
         b.size(1280, 900)
         b.open("%s/jobs/%s" % (url, job))
         b.until(SHOWN)
-        compare_pointer(b)
+        compare_pixels(b)
         draw_otherwise(b)
         assert b.run("document.querySelector('h1').textContent") == \
             radctl("job", job)["name"]
