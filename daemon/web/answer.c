@@ -33,8 +33,10 @@ answer_send(struct MHD_Connection *c, unsigned status, const char *type,
                                 "Basic realm=\"radweb\", charset=\"UTF-8\"");
     if (status == MHD_HTTP_METHOD_NOT_ALLOWED)
         MHD_add_response_header(response, MHD_HTTP_HEADER_ALLOW, "GET, HEAD");
-    if (status == MHD_HTTP_SERVICE_UNAVAILABLE)
+    if (status == MHD_HTTP_SERVICE_UNAVAILABLE) {
         MHD_add_response_header(response, MHD_HTTP_HEADER_RETRY_AFTER, "10");
+        MHD_add_response_header(response, "Refresh", "10"); /* browsers do */
+    }
     rc = MHD_queue_response(c, status, response);
     MHD_destroy_response(response);
     return rc;

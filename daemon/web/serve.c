@@ -131,7 +131,9 @@ serve_sweep(struct serve *s)
 
 /* --- requests --- */
 
-/* A request whose header has come.  A request with a body is refused. */
+/* A request whose header has come.  One that could have a body is answered
+ * ahead of it, and the connection closed; a body that comes with any other is
+ * not read. */
 struct request {
     void *state; /* for serve_fn */
 };
@@ -149,7 +151,8 @@ on_request(void *arg, struct MHD_Connection *c, const char *url,
     if (!r) {
         r = *context = calloc(1, sizeof *r);
         set_state(s, c, GUEST_READS);
-        return r ? MHD_YES : MHD_NO;
+        if (!r || strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0)
+            return r ? MHD_YES : MHD_NO;
     }
     if (*nupload > 0)
         return MHD_NO;

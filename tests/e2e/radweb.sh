@@ -115,6 +115,7 @@ kill "$pid_1" "$coord_pid"
 wait "$pid_1" "$coord_pid"
 until_true 20 try away "$url" || fail "the page does not say that it is away"
 ask grows_old "$url"
+ask comes_again "$url"
 coord_again
 until_true 40 try back "$url" || fail "it does not dial again"
 kill "$web"

@@ -22,9 +22,9 @@ where = urllib.parse.urlparse(url)
 place = (where.hostname, where.port)
 
 
-def get(path, headers=None, method="GET"):
+def get(path, headers=None, method="GET", body=None):
     c = http.client.HTTPConnection(*place, timeout=30)
-    c.request(method, path, headers=headers or {})
+    c.request(method, path, body, headers or {})
     r = c.getresponse()
     body = r.read()
     c.close()
@@ -216,6 +216,7 @@ def headers():
     assert get("/jobs/" + 32 * "0")[0].status == 404
     assert get("/jobs/../../etc/passwd")[0].status == 404
     assert get("/", method="POST")[0].status == 405
+    assert get("/", method="POST", body=b"a=b")[0].status == 405
     r, body = get("/", method="HEAD")
     assert r.status == 200 and body == b""
 
@@ -463,6 +464,12 @@ def grows_old():
         ages = set(re.findall(r"What is shown is ([^<]+) old", said))
         if len(ages) > 1:
             return
+
+
+def comes_again():
+    """A page that cannot be shown now is asked for again."""
+    r, _ = get("/jobs/" + 32 * "1")
+    assert r.status == 503 and r.getheader("Refresh"), r.status
 
 
 def away():
