@@ -17,6 +17,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <term.h>
 #include <unistd.h>
 
 enum {
@@ -219,17 +220,33 @@ colours_wanted(void)
     return has_colors() && !(no && no[0]);
 }
 
+/* Is the terminal's type one that can put text anywhere on its screen? */
+static bool
+has_screen(void)
+{
+    const char *move;
+    int status;
+
+    if (setupterm(NULL, STDOUT_FILENO, &status) != OK)
+        return false;
+    move = tigetstr("cup");
+    del_curterm(cur_term);
+    return move != NULL && move != (const char *)-1;
+}
+
 static int
 open_terminal(struct screen *s)
 {
     struct sigaction stop = { .sa_handler = on_stop };
 
     setlocale(LC_CTYPE, "");
-    s->curses = newterm(NULL, stdout, stdin);
+    s->curses = has_screen() ? newterm(NULL, stdout, stdin) : NULL;
     if (!s->curses)
-        return rad_fail(s->c->err, RAD_EUSAGE,
-                        "the terminal's type, TERM=%.40s, is not known",
-                        getenv("TERM") ? getenv("TERM") : "");
+        return rad_fail(
+            s->c->err, RAD_EUSAGE,
+            "the terminal's type, TERM=%.40s, is not known or has no "
+            "screen to draw on",
+            getenv("TERM") ? getenv("TERM") : "");
     signal(SIGPIPE, SIG_IGN);       /* when a lost coordinator is written to */
     sigaction(SIGINT, &stop, NULL); /* ncurses' handler would end us */
     sigaction(SIGQUIT, &stop, NULL);

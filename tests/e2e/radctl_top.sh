@@ -173,4 +173,9 @@ look '^radcoord ' "once more"
 keys C-c
 ended 0 SIGINT
 tm kill-server
+server=top$$-dumb
+tm new-session -d -x 80 -y 24 env TERM=dumb ./top.sh
+look 'ended with 64' "a terminal that has no screen"
+shows 'TERM=dumb' || fail "no screen: $(screen)"
+tm kill-server
 finish
