@@ -3,6 +3,7 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
+#include "ctl/row.h"
 #include "base/number.h"
 #include "common/table.h"
 #include "common/tell.h"
@@ -123,13 +124,11 @@ static bool
 is_state(const json_t *row, const char *state)
 {
     const char *is = json_string_value(json_object_get(row, "state"));
-    bool over = is && (strcmp(is, "done") == 0 || strcmp(is, "failed") == 0 ||
-                       strcmp(is, "cancelled") == 0);
 
     if (strcmp(state, "over") == 0)
-        return over;
+        return row_is_over(row);
     if (strcmp(state, "open") == 0)
-        return !over && is && strcmp(is, "forgotten") != 0;
+        return !row_is_over(row) && is && strcmp(is, "forgotten") != 0;
     return is && strcmp(is, state) == 0;
 }
 

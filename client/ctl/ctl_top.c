@@ -88,21 +88,27 @@ ask_job(struct screen *s, json_t **stats)
     return rc == RAD_EUNAVAIL || rc == RAD_EPROTO ? rc : 0;
 }
 
-/* Get all workers and at most `most` jobs (0: any number), also those that are
- * over if `closed`. */
+/* Get all workers and at most `most` jobs that are not over (0: any number),
+ * and behind them, if `closed`, as many that are. */
 static int
 ask_rows(struct ctl *c, int most, bool closed, json_t **workers, json_t **jobs)
 {
     struct msg_page page = { .what = MSG_ROWS_WORKERS, .state = "" };
+    json_t *over = NULL;
     int rc;
 
     c->limit = 0;
     if ((rc = ctl_rows(c, &page, workers)) < 0)
         return rc;
-    page = (struct msg_page){ .what = MSG_ROWS_JOBS,
-                              .state = closed ? "" : "open" };
+    page = (struct msg_page){ .what = MSG_ROWS_JOBS, .state = "open" };
     c->limit = most;
-    return ctl_rows(c, &page, jobs);
+    if ((rc = ctl_rows(c, &page, jobs)) < 0 || !closed)
+        return rc;
+    page.state = "over";
+    rc = ctl_rows(c, &page, &over);
+    json_array_extend(*jobs, over);
+    json_decref(over);
+    return rc;
 }
 
 static int
@@ -119,7 +125,8 @@ ask_all(struct screen *s)
     if (rc == 0 && !status)
         rc = c->err->code;
     if (rc == 0)
-        rc = ask_rows(c, MOST_JOBS, s->top.closed, &workers, &jobs);
+        rc = ask_rows(c, MOST_JOBS, s->top.closed || s->top.job[0], &workers,
+                      &jobs); /* the job that is shown may be over */
     if (rc == 0)
         rc = ask_job(s, &stats);
     if (rc == 0) {

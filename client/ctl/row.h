@@ -5,6 +5,8 @@
 #define CLIENT_ROW_H
 
 #include <jansson.h>
+#include <stdbool.h>
+#include <string.h>
 
 /* A text; "" if the row has none.  Borrowed from the row. */
 static inline const char *
@@ -20,6 +22,16 @@ static inline double
 row_number(const json_t *row, const char *key)
 {
     return json_number_value(json_object_get(row, key));
+}
+
+/* Is a job over? */
+static inline bool
+row_is_over(const json_t *job)
+{
+    const char *is = row_text(job, "state");
+
+    return strcmp(is, "done") == 0 || strcmp(is, "failed") == 0 ||
+           strcmp(is, "cancelled") == 0;
 }
 
 /* The ending of a noun for so many. */

@@ -206,12 +206,13 @@ look_into(struct top *t)
 static enum top_wish
 leave(struct top *t, int key)
 {
-    if (t->job[0])
+    if (t->job[0]) {
         t->job[0] = '\0';
-    else if (key == 'q')
+        return TOP_LOOK; /* the lists may leave out jobs that are over */
+    }
+    if (key == 'q')
         return TOP_QUIT;
-    else
-        t->filter[0] = '\0';
+    t->filter[0] = '\0';
     return TOP_NOTHING;
 }
 

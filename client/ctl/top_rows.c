@@ -133,6 +133,23 @@ by_column(const void *a, const void *b, void *arg)
     return l->back ? -c : c;
 }
 
+/* Jobs that are not over, as they are served; behind them those that are, the
+ * newest first. */
+static json_t *
+in_order(const json_t *rows)
+{
+    json_t *open = json_array(), *over = json_array(), *list, *row;
+    size_t i;
+
+    json_array_foreach(rows, i, row)
+        json_array_append(row_is_over(row) ? over : open, row);
+    list = lists_served(open);
+    json_array_extend(list, over);
+    json_decref(open);
+    json_decref(over);
+    return list;
+}
+
 const json_t **
 top_rows(const struct top *t, enum top_pane pane, size_t *n)
 {
@@ -142,7 +159,7 @@ top_rows(const struct top *t, enum top_pane pane, size_t *n)
     struct order o = { t, pane };
     size_t i;
 
-    rows = pane == TOP_JOBS && !sorted ? lists_served(rows) : json_incref(rows);
+    rows = pane == TOP_JOBS && !sorted ? in_order(rows) : json_incref(rows);
 
     *n = 0;
     json_array_foreach(rows, i, row)

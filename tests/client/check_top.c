@@ -147,6 +147,25 @@ TEST(lists_show_workers_and_jobs)
     top_release(&t);
 }
 
+/* However many newer jobs are over, and whatever the priority of these. */
+TEST(jobs_that_are_over_come_last)
+{
+    static const char more[] =
+        "[{\"job\":\"ee\",\"name\":\"newest\",\"state\":\"done\","
+        "\"priority\":0},{\"job\":\"dd\",\"name\":\"older\","
+        "\"state\":\"failed\",\"priority\":9},{\"job\":\"aa\","
+        "\"name\":\"room\",\"state\":\"paused\",\"priority\":0}]";
+    struct top t;
+    const struct picture *p;
+
+    top_init(&t);
+    top_take(&t, 1, parse(status), parse_with(workers, 1), parse(more), NULL);
+    p = draw(&t, 120, 24);
+    ck_assert_int_lt(line_with(p, "room"), line_with(p, "newest"));
+    ck_assert_int_lt(line_with(p, "newest"), line_with(p, "older"));
+    top_release(&t);
+}
+
 TEST(narrow_terminals_leave_out_columns)
 {
     struct top t;
@@ -267,7 +286,7 @@ TEST(a_job_has_its_units_by_worker)
     p = draw(&t, 100, 24);
     ck_assert_int_lt(line_with(p, "ws1"), 0);
     ck_assert_int_ge(line_with(p, "ws2"), 0);
-    ck_assert_int_eq(top_key(&t, 'q'), TOP_NOTHING); /* back to the lists */
+    ck_assert_int_eq(top_key(&t, 'q'), TOP_LOOK); /* back to the lists */
     ck_assert_int_ge(line_with(draw(&t, 100, 24), "atrium"), 0);
     top_release(&t);
 }

@@ -149,10 +149,14 @@ coordinator
 look 'the coordinator is there again' "back"
 look '^ws1 .*\(idle\|working\|loading\)' "workers back"
 
-keys Tab c
+keys Tab Enter
+look "^job .*  atrium" "the job's screen again"
+keys c
 look 'cancel job .* y/n' "question to cancel"
 keys y
 until_true 10 state cancelled || fail "not cancelled"
+look '^cancelled, ' "a job that ends while it is looked at"
+keys q
 until_true 10 sh -c "! tmux -L $server capture-pane -p | grep -q '  atrium '" ||
     fail "a cancelled job is open"
 keys a
