@@ -247,6 +247,8 @@ open_terminal(struct screen *s)
     struct sigaction stop = { .sa_handler = on_stop };
 
     setlocale(LC_CTYPE, "");
+    if (MB_CUR_MAX == 1) /* names are UTF-8, as in radctl's other output */
+        setlocale(LC_CTYPE, "C.UTF-8");
     s->curses = has_screen() ? newterm(NULL, stdout, stdin) : NULL;
     if (!s->curses)
         return rad_fail(

@@ -35,7 +35,7 @@ job=$("$radsubmit" --coordinator="$work/socket" --detach --name=atrium \
     -vf "$scenes/room.vf" -x 900 -y 675 -ab 2 -aa .1 -ar 128 -ad 1024 -as 256 \
     -ps 2 --oversample=1 "$scenes/room.rad" 2>submit.err) ||
     fail "submit: $(cat submit.err)"
-"$radsubmit" --coordinator="$work/socket" --detach --name=stairs \
+"$radsubmit" --coordinator="$work/socket" --detach --name='stairs é' \
     --priority=-5 -vf "$scenes/room.vf" "$scenes/room.rad" >/dev/null 2>&1
 
 nservers=0 server=top$$
@@ -176,6 +176,12 @@ start 80 24
 look '^radcoord ' "once more"
 keys C-c
 ended 0 SIGINT
+tm kill-server
+server=top$$-c
+tm new-session -d -x 80 -y 24 env LC_ALL=C ./top.sh
+look '^radcoord ' "without a language"
+keys a
+look 'stairs é' "a name that is not ASCII"
 tm kill-server
 server=top$$-dumb
 tm new-session -d -x 80 -y 24 env TERM=dumb ./top.sh
