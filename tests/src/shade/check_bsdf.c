@@ -498,9 +498,16 @@ FIXTURE(make_peak, NULL)
 static const char even[] =
     HEAD("TensorTree3") DEFS BLOCK("Visible", OURRF, CHIU, EVEN)
         BLOCK("Visible", OURTF, CHIU, EVEN) FOOT;
-static struct world_file texts[] = {
-    { "even.xml", even }, { "peak.xml", peak }, { "matrix.xml", matrix }, { 0 }
-};
+/* Reflects alike wherever light comes from. */
+static const char fan[] = HEAD("Columns")
+    BASIS DEFS BLOCK("Visible", OURRF, FIVE,
+                     ".1 .1 .1 .1 .1 .2 .2 .2 .2 .2 .3 .3 .3 "
+                     ".3 .3 .4 .4 .4 .4 .4 .5 .5 .5 .5 .5") FOOT;
+static struct world_file texts[] = { { "even.xml", even },
+                                     { "peak.xml", peak },
+                                     { "matrix.xml", matrix },
+                                     { "fan.xml", fan },
+                                     { 0 } };
 static const struct rad_files files = { .read = world_file_read, .arg = texts };
 
 #define PLAIN "-av 0 0 0 -st 1 -lw 0 -lr 30 -ss 0 -dj 0 -ds 0 -dt 0 -dc 1"
@@ -719,6 +726,52 @@ TEST(sampled_light_is_all_of_it)
     double total = M_PI / 4 * .01 + M_PI * .75 / 4 * (.11 + .21 + .31 + .41);
 
     ck_assert_double_eq_tol(L.g, 2 * total, .03 * total);
+}
+
+/* A surface that leans to x by the sine .6, up along y, under a sky that is
+ * brighter to one side: the mean of samples is the integral over its front. */
+TEST(samples_go_where_the_data_say)
+{
+    static const double axis[3][3] = { { .8, 0, -.6 },
+                                       { 0, 1, 0 },
+                                       { .6, 0, .8 } };
+    enum { N = 300, TIMES = 40000 };
+    double in[3] = { -M_SQRT1_2, 0, M_SQRT1_2 }, want = 0, sum = 0;
+    struct rad_arena arena;
+    struct rad_bsdf *b = must_parse(&arena, fan);
+    struct world at = { 0 };
+
+    for (int i = 0; i < N * N; i++) {
+        double len = sqrt((i % N + .5) / N), phi = 2 * M_PI * (i / N + .5) / N;
+        double out[3] = { len * cos(phi), len * sin(phi), sqrt(1 - len * len) };
+        double xyz[3], d[3] = { 0, 0, 0 };
+
+        value(b, in, out, xyz);
+        for (int k = 0; k < 3; k++)
+            rad_madd(d, d, out[k], axis[k]);
+        /* .1 is the same for all, and no part of what is sampled */
+        want += (xyz[1] - .1) * (2 + .5 * d[0] + .7 * d[1] + .3 * d[2]) * M_PI /
+                (N * N);
+    }
+    rad_arena_release(&arena);
+    ck_assert_int_eq(
+        world_try(&at,
+                  "void BSDF m 6 0 fan.xml 0 1 0 . 0 0\n"
+                  "m polygon p 0 0 12 -4 -9 3 4 -9 -3 4 9 -3 -4 9 3\n"
+                  "void brightfunc f 2 2+.5*Dx+.7*Dy+.3*Dz . 0 0\n"
+                  "f glow sky 0 0 4 1 1 1 0\nsky source s 0 0 4 0 0 1 360\n",
+                  PLAIN " -st 0 -ss 1", &files),
+        0);
+    for (int i = 0; i < TIMES; i++) {
+        struct rad_ray r;
+
+        world_ray(&at, &r, -.2, 0, 1.4, .2, 0, -1.4);
+        r.key = rad_key_branch(6, (uint64_t)i);
+        rad_ray_trace(&at.ctx, &r);
+        sum += (double)r.L.g / TIMES;
+    }
+    world_close(&at);
+    ck_assert_double_eq_tol(sum, want, .01 * want);
 }
 
 static const struct {
