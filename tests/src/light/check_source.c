@@ -239,6 +239,33 @@ TEST(glow_reaches_as_far_as_it_says)
                         0);
 }
 
+/* A light, and a glow within its reach, is looked at by shadow rays, a glow
+ * beyond is met by indirect ones: none by both.  A negative reach keeps a glow
+ * from both. */
+static const struct {
+    const char *emitter;
+    double part; /* of the square's light that arrives */
+} counted[] = {
+    { "light g 0 0 3 1 1 1", 1 },   { "glow g 0 0 4 1 1 1 9", 1 },
+    { "glow g 0 0 4 1 1 1 0", 1 },  { "glow g 0 0 4 1 1 1 1.9", 1 },
+    { "glow g 0 0 4 1 1 1 -1", 0 },
+};
+
+LOOP_TEST(light_counts_once, N_ELEM(counted))
+{
+    double want = counted[_i].part * lambert(square, 4, origin, up);
+    char text[256];
+
+    snprintf(text, sizeof text,
+             "void %s\ng polygon p 0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n",
+             counted[_i].emitter);
+    ck_assert_double_eq_tol(irradiance_of(text,
+                                          "-ab 1 -aa 0 -ad 16384 -as 0 -lw 0 "
+                                          "-av 0 0 0 -dj 0 -dt 0 -ds .1",
+                                          0, 0, 0),
+                            want, .01);
+}
+
 TEST(spotlight_falls_off_from_its_focus)
 {
     static const char text[] = "void spotlight s 0 0 7 9 9 9 40 0 0 -3\n"
