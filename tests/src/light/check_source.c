@@ -646,3 +646,39 @@ TEST(askew_sensor_on_a_floor_sees_nothing_below_it)
     rad_ray_irradiance(&w.ctx, &r, origin, n, 0);
     ck_assert_double_eq_tol((double)r.L.g, lambert(square, 4, origin, n), 1e-3);
 }
+
+/* Add a square of that half-width across an axis, at that height along it,
+ * which faces up the axis. */
+static void
+add_square(char *text, const char *name, double half, int axis, double height)
+{
+    sprintf(text + strlen(text), "%s 0 0 12", name);
+    for (int i = 0; i < 4; i++) {
+        double p[3];
+
+        p[axis] = height;
+        p[(axis + 1) % 3] = i == 0 || i == 3 ? -half : half;
+        p[(axis + 2) % 3] = i < 2 ? -half : half;
+        sprintf(text + strlen(text), " %.9g %.9g %.9g", p[0], p[1], p[2]);
+    }
+    strcat(text, "\n");
+}
+
+/* A sensor below a ceiling, .02 thick, or within it by its six written digits,
+ * however the room is turned. */
+LOOP_TEST(sensor_below_a_ceiling_sees_what_is_below, 3)
+{
+    double n[3] = { 0 }, p[3] = { 0 };
+    char text[1024] = LAMP PLASTIC;
+    struct rad_ray r;
+
+    add_square(text, "bright polygon lamp", 1, _i, 0);
+    add_square(text, "white polygon under", 9, _i, 2);
+    add_square(text, "white polygon over", 9, _i, 2.02);
+    n[_i] = -1;
+    p[_i] = 2 + 4e-6;
+    world_open(&w, text, DIRECT "-ds .1");
+    rad_ray_irradiance(&w.ctx, &r, p, n, 0);
+    ck_assert_double_eq_tol((double)r.L.g, lambert(square, 4, origin, up),
+                            1e-3);
+}
