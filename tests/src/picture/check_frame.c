@@ -229,6 +229,40 @@ TEST(seed_and_frame_move_the_jitter)
         free(seen[i]);
 }
 
+/* A near wall on the left, before a far one. */
+static const struct {
+    const char *clip;
+    float left, right;
+} clipped[] = {
+    { "", 2, 1 },
+    { "-va 5", 2, 0 },
+    { "-vo 5", 1, 1 },
+    { "-vo 5 -va 6", 0, 0 },
+    { "-vo 5 -va 9", 1, 1 },
+};
+
+LOOP_TEST(what_lies_before_and_beyond_the_planes_is_not_seen, N_ELEM(clipped))
+{
+    static const char walls[] =
+        "void glow near 0 0 4 2 2 2 0\nvoid glow far 0 0 4 1 1 1 0\n"
+        "near polygon p 0 0 12 -9 3 -9 0 3 -9 0 3 9 -9 3 9\n"
+        "far polygon q 0 0 12 -9 8 -9 9 8 -9 9 8 9 -9 8 9\n";
+
+    for (int flat = 0; flat < 2; flat++) {
+        struct rad_pixel *seen;
+        char view[128];
+
+        snprintf(view, sizeof view, "%s -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 %s",
+                 flat ? "-vtl -vh 2 -vv 2" : "-vtv -vh 60 -vv 60",
+                 clipped[_i].clip);
+        show(walls, params(16, 1), view, false);
+        seen = picture_render(&pic);
+        for (int i = 0; i < 16 * 16; i++)
+            ck_assert_float_eq(seen[i].L.g, i % 16 < 8 ? clipped[_i].left
+                                                       : clipped[_i].right);
+    }
+}
+
 /* The edge of a half plane that glows, at twice the focal distance, seen
  * through a lens of diameter 1: the share of the lens that sees it. */
 TEST(what_is_out_of_focus_blurs_by_the_lens)
