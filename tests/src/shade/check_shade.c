@@ -133,17 +133,42 @@ TEST(dielectric_refracts_by_snell)
 
 /* A slab of two faces: the gain by the index is gone, what is absorbed on the
  * way is the transmission per length to the power of its thickness. */
-TEST(dielectric_slab_absorbs_by_length)
-{
-    double r = .04, t = pow(.5, 2);
+static const struct {
+    const char *dielectric;
+    double r, g, b; /* transmission per length */
+} slab[] = {
+    { "void dielectric m 0 0 5 .5 1 .25 1.5 0", .5, 1, .25 },
+    { "void colorfunc p 4 .5 1 1 . 0 0 p dielectric m 0 0 5 1 1 .9 1.5 0", .5,
+      1, .9 },
+    { "void colorfunc p 4 1 .5 1 . 0 0 p dielectric m 0 0 5 1 1 .9 1.5 0", 1,
+      .5, .9 },
+    { "void colorfunc p 4 1 1 .5 . 0 0 p dielectric m 0 0 5 1 .9 1 1.5 0", 1,
+      .9, .5 },
+};
 
-    world_open(&w,
-               BELOW "void dielectric m 0 0 5 .5 1 .25 1.5 0\n m" SQUARE
-                     " m polygon b 0 0 12 -9 -9 -2 -9 9 -2 9 9 -2 9 -9 -2",
-               PLAIN " -lr 40");
-    ck_assert_double_eq_tol(world_tilted(&w, 0).r,
-                            (1 - r) * (1 - r) * t / (1 - r * r * t * t), 1e-6);
-    ck_assert_double_eq_tol(world_tilted(&w, 0).g, (1 - r) / (1 + r), 1e-6);
+/* The slab's, for a transmittance t of its inside. */
+static double
+slab_passes(double t)
+{
+    double r = .04;
+
+    return (1 - r) * (1 - r) * t / (1 - r * r * t * t);
+}
+
+LOOP_TEST(dielectric_slab_absorbs_by_length, N_ELEM(slab))
+{
+    char scene[1024];
+    struct rad_rgb L;
+
+    snprintf(scene, sizeof scene,
+             BELOW "%s\n m" SQUARE
+                   " m polygon b 0 0 12 -9 -9 -2 -9 9 -2 9 9 -2 9 -9 -2",
+             slab[_i].dielectric);
+    world_open(&w, scene, PLAIN " -lr 40");
+    L = world_tilted(&w, 0);
+    ck_assert_double_eq_tol(L.r, slab_passes(pow(slab[_i].r, 2)), 1e-6);
+    ck_assert_double_eq_tol(L.g, slab_passes(pow(slab[_i].g, 2)), 1e-6);
+    ck_assert_double_eq_tol(L.b, slab_passes(pow(slab[_i].b, 2)), 1e-6);
 }
 
 /* An interface of equal sides is not there, but for what it absorbs. */
