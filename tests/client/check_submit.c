@@ -289,15 +289,22 @@ script_speaks_out_of_turn(struct player *p)
     player_send(p, &m);
 }
 
+/* The frame is ready, and what there is is fetched. */
+static void
+player_deliver(struct player *p)
+{
+    player_progress(p, 1, 1);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
+    player_done(p);
+    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+}
+
 static void
 player_render(struct player *p)
 {
     player_take_job(p, true);
     player_progress(p, 1, 0);
-    player_progress(p, 1, 1);
-    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
-    player_done(p);
-    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+    player_deliver(p);
 }
 
 static void
@@ -546,10 +553,7 @@ script_is_in_the_queue(struct player *p)
     player_workers(p, "{\"rows\": [], \"next\": 7}");
     player_workers(p,
                    "{\"rows\": [{\"name\": \"ws1\", \"state\": \"working\"}]}");
-    player_progress(p, 1, 1);
-    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
-    player_done(p);
-    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+    player_deliver(p);
 }
 
 /* The job is in that state, and no worker is told of, for many times as long as
@@ -565,10 +569,7 @@ script_stands_still(struct player *p, uint8_t state)
     m.progress.state = state;
     player_send(p, &m);
     usleep(300000);
-    player_progress(p, 1, 1);
-    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
-    player_done(p);
-    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+    player_deliver(p);
 }
 
 /* As long as it is paused no worker can come. */
@@ -602,10 +603,7 @@ script_gives_a_reason(struct player *p)
     m.answer.text = (const uint8_t *)"{ \"text\": \"all are drained\" }";
     m.answer.len = strlen((const char *)m.answer.text);
     player_send(p, &m);
-    player_progress(p, 1, 1);
-    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
-    player_done(p);
-    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+    player_deliver(p);
 }
 
 /* One that does not tell is no worse for it. */
@@ -624,10 +622,7 @@ script_gives_no_reason(struct player *p)
     m.failed.status = EX_NOINPUT;
     m.failed.text = "no such job";
     player_send(p, &m);
-    player_progress(p, 1, 1);
-    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
-    player_done(p);
-    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+    player_deliver(p);
 }
 
 static void
