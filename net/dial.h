@@ -7,7 +7,6 @@
 #ifndef RADD_NET_DIAL_H
 #define RADD_NET_DIAL_H
 
-#include "net/address.h"
 #include "net/tls.h"
 
 #include <stdbool.h>

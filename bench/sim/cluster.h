@@ -16,7 +16,6 @@
 #include "tests/sim/event.h"
 #include "map.h"
 #include "tiles.h"
-#include "strict/strict.h"
 
 struct cluster_spec {
     const struct map *map;     /* of the picture */

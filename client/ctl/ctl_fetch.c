@@ -12,6 +12,8 @@
 #include "show/picfile.h"
 #include "show/spectra.h"
 
+#include "base/output.h"
+
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,6 +5,7 @@
 
 #include "common/outname.h"
 
+#include "base/output.h"
 #include "tone/primaries.h"
 
 #include <limits.h>

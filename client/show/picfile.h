@@ -4,7 +4,6 @@
 #ifndef RADD_CLIENT_PICFILE_H
 #define RADD_CLIENT_PICFILE_H
 
-#include "base/output.h"
 #include "show/show.h"
 
 #include <stdint.h>

@@ -11,7 +11,6 @@
 #define RADD_CLIENT_TRIAL_H
 
 #include "picture/doubt.h"
-#include "picture/frame.h"
 
 #include <stdatomic.h>
 

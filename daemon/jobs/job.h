@@ -17,7 +17,6 @@
 #include "jobs/shared.h"
 
 struct coord_owner;
-struct coord_worker;
 struct passes;
 struct links;
 struct stats_text;

@@ -24,7 +24,6 @@
 #include "filling/passes.h"
 #include "sched/survey.h"
 #include "users/known.h"
-#include "users/uploads.h"
 
 #include <inttypes.h>
 #include <stdio.h>

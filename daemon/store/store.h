@@ -19,7 +19,6 @@
 #define RADD_DAEMON_STORE_H
 
 #include "machine/action.h"
-#include "front/coord.h"
 
 #include <uv.h>
 

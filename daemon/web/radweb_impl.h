@@ -14,6 +14,7 @@
 #define RADD_WEB_RADWEB_IMPL_H
 
 #include "ground/daemon.h"
+#include "net/address.h"
 #include "net/log.h"
 #include "observer/model.h"
 #include "observer/watch.h"

@@ -13,8 +13,6 @@
 #define RADD_WEB_SERVE_H
 
 #include "base/error.h"
-#include "net/address.h"
-#include "observer/blob.h"
 
 #include <microhttpd.h>
 #include <stdint.h>

@@ -4,7 +4,6 @@
 #include "job/submit_options.h"
 #include "job/submit_parse.h"
 #include "common/words.h"
-#include "proto/message.h"
 #include "tests/scratch.h"
 
 #include <stdio.h>

@@ -12,8 +12,6 @@
 #include "proto/frame.h"
 #include "tests/unit.h"
 
-#include "image/hdr.h"
-
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>

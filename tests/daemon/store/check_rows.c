@@ -2,7 +2,6 @@
  * of them */
 #include "config.h"
 
-#include "base/output.h"
 #include "machine/action.h"
 #include "folder/filtered.h"
 #include "folder/rows.h"

@@ -2,7 +2,6 @@
 #include "config.h"
 
 #include "tone/falsecolour.h"
-#include "tone/legend.h"
 
 #include "tests/unit.h"
 
