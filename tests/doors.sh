@@ -1,7 +1,7 @@
 #!/bin/sh
-# doors.sh - the floor plan holds: rooms use what the table says, files of daemons
-# and clients never call each other in a loop, names say where they are, and
-# files that are named are there
+# doors.sh - the floor plan holds: rooms use what the table says, files of
+# daemons and clients never call each other in a loop, names say where they are,
+# and files that are named are there
 #
 # The table of rooms in doc/architecture.md is the plan, from the ground up: a
 # room uses only rooms that its row names, and these stand above its row.  What
