@@ -36,12 +36,12 @@ AM_CONDITIONAL([SANITIZED], [test "x$radd_san" != x])
 # With --enable-fuzzers the targets are libFuzzer programs; without, each is
 # linked with a driver that replays its corpus, as part of the tests.
 AC_DEFUN([RADD_FUZZERS], [
-FUZZ_CFLAGS=
 AS_IF([test "x$enable_fuzzers" = xyes], [
     AS_CASE([$($CC --version 2>/dev/null)], [*clang*], [],
         [AC_MSG_ERROR([--enable-fuzzers needs CC=clang])])
     RADD_CFLAGS="$RADD_CFLAGS -fsanitize=fuzzer-no-link"
     RADD_LDFLAGS="$RADD_LDFLAGS -fsanitize=fuzzer-no-link"
 ])
+AC_SUBST([LIBFUZZER], [-fsanitize=fuzzer])
 AM_CONDITIONAL([FUZZERS], [test "x$enable_fuzzers" = xyes])
 ])

@@ -8,7 +8,7 @@ UNIT_TESTS =
 LIBUNIT =
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
-check_LIBRARIES = libunit.a
+check_LIBRARIES += libunit.a
 libunit_a_SOURCES = tests/unit.c
 LIBUNIT += libunit.a
 TESTS += $(UNIT_TESTS)
