@@ -302,15 +302,18 @@ make_at(const char *path, struct rad_error *err)
 
 /* If there is no database at path, make one beside it and rename that.  Made in
  * its place it could be there in part after a loss of power, and would be taken
- * for damaged. */
+ * for damaged.  One that cannot be looked at may be there. */
 static int
 make_whole(const char *path, struct rad_error *err)
 {
     char made[DISK_PATH_MAX + 8];
     struct stat st;
+    bool there = stat(path, &st) == 0;
     int rc;
 
-    if (stat(path, &st) == 0 && st.st_size > 0)
+    if (!there && errno != ENOENT)
+        return disk_fail(err, errno, "look at", path);
+    if (there && st.st_size > 0)
         return 0;
     snprintf(made, sizeof made, "%s.new", path);
     if (unlink(made) < 0 && errno != ENOENT)

@@ -9,8 +9,11 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sysexits.h>
+#include <unistd.h>
 
 /* What writes and syncs fail with; 0: they do not. */
 static _Atomic int write_fault, sync_fault;
@@ -106,6 +109,21 @@ LOOP_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault,
 
 /* The log is carried over into the database, for which there is no memory; what
  * is in the log lasts. */
+TEST(a_database_that_cannot_be_looked_at_is_not_replaced)
+{
+    char path[160];
+    struct stat st;
+    struct journal *j;
+    struct rad_error err = { 0 };
+
+    snprintf(path, sizeof path, "%s/loop.db", dir);
+    ck_assert_int_eq(symlink("loop.db", path), 0); /* ELOOP */
+    ck_assert_int_lt(journal_open(&j, path, JOURNAL_MAKE, &err), 0);
+    ck_assert_ptr_nonnull(strstr(err.what, "look at"));
+    ck_assert_int_eq(lstat(path, &st), 0);
+    ck_assert(S_ISLNK(st.st_mode));
+}
+
 TEST(a_commit_without_memory_for_more_is_one)
 {
     static uint8_t bottom[60000];
