@@ -8,6 +8,7 @@
 #include "net/log.h"
 
 #include <errno.h>
+#include <netinet/tcp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -258,6 +259,8 @@ may_come(struct serve *s)
 static bool
 let_in(struct serve *s)
 {
+    /* a browser that has vanished, as in sleep, keeps no stream from others */
+    static const unsigned gone_ms = SERVE_READ_MS;
     struct address a;
     socklen_t n = sizeof a.sa;
     int fd;
@@ -271,6 +274,7 @@ let_in(struct serve *s)
         return errno == ECONNABORTED;
     }
     s->may--;
+    setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &gone_ms, sizeof gone_ms);
     MHD_add_connection(s->mhd, fd, &a.sa.any, n); /* closes fd if it fails */
     return true;
 }
