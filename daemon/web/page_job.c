@@ -120,6 +120,21 @@ put_head(struct markup *m, const struct watch *w)
 
 /* --- the picture --- */
 
+enum { FRAME_STEPS = 10 }; /* of the links through an animation */
+
+static void
+put_frame(struct markup *m, const struct watch *w, unsigned frame,
+          const char *before, const char *behind)
+{
+    if (frame == w->frame)
+        markup_raw(m, " <b>");
+    else
+        markup_print(m, " <a href=\"%s?frame=%u\">", w->hex, frame);
+    markup_print(m, "%s%u%s", before, frame + 1, behind);
+    markup_raw(m, frame == w->frame ? "</b>" : "</a>");
+}
+
+/* Links to the frames beside the one that is shown, and through all of them. */
 static void
 put_frames(struct markup *m, const struct watch *w)
 {
@@ -129,13 +144,18 @@ put_frames(struct markup *m, const struct watch *w)
         return;
     markup_raw(m, "<nav aria-label=\"Frames\"><p>");
     if (w->frame > 0)
-        markup_print(m, "<a href=\"%s?frame=%u\">&larr; frame %u</a> ", w->hex,
-                     w->frame - 1, w->frame);
-    markup_print(m, "<b>frame %u of %.0f</b>", w->frame + 1, n);
+        put_frame(m, w, w->frame - 1, "&larr; frame ", "");
+    markup_print(m, " <b>frame %u of %.0f</b>", w->frame + 1, n);
     if (w->frame + 1 < n)
-        markup_print(m, " <a href=\"%s?frame=%u\">frame %u &rarr;</a>", w->hex,
-                     w->frame + 1, w->frame + 2);
-    markup_raw(m, "</p></nav>");
+        put_frame(m, w, w->frame + 1, "frame ", " &rarr;");
+    markup_raw(m, "</p>");
+    if (n > FRAME_STEPS) {
+        markup_raw(m, "<p>");
+        for (int i = 0; i <= FRAME_STEPS; i++)
+            put_frame(m, w, (unsigned)(i * (n - 1) / FRAME_STEPS), "", "");
+        markup_raw(m, "</p>");
+    }
+    markup_raw(m, "</nav>");
 }
 
 static void

@@ -305,6 +305,23 @@ LOOP_TEST(command_lines_run_nothing_of_others, N_ELEM(commands))
     markup_release(&words);
 }
 
+TEST(any_frame_is_a_few_links_away)
+{
+    struct watch w = { .frame = 499,
+                       .detail = json_pack("{s:s,s:i}", "state", "done",
+                                           "frames", 1000) };
+    struct model c = { .up = true };
+    struct markup m = { 0 };
+
+    page_job(&m, &c, &w);
+    ck_assert_ptr_nonnull(strstr(m.text, "?frame=0\">1<"));
+    ck_assert_ptr_nonnull(strstr(m.text, "?frame=498\">&larr; frame 499<"));
+    ck_assert_ptr_nonnull(strstr(m.text, "<b>500</b>"));
+    ck_assert_ptr_nonnull(strstr(m.text, "?frame=999\">1000<"));
+    json_decref(w.detail);
+    markup_release(&m);
+}
+
 /* All pixels of one radiance: so is their mean. */
 TEST(a_large_picture_is_made_smaller)
 {
