@@ -214,6 +214,7 @@ def headers():
         assert r.getheader("X-Content-Type-Options") == "nosniff"
     assert get("/nothing")[0].status == 404
     assert get("/jobs/" + 32 * "0")[0].status == 404
+    assert get("/jobs/%s?frame=7" % rest[0])[0].status == 404
     assert get("/jobs/../../etc/passwd")[0].status == 404
     assert get("/", method="POST")[0].status == 405
     assert get("/", method="POST", body=b"a=b")[0].status == 405
