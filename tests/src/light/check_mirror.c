@@ -331,11 +331,14 @@ LOOP_TEST(image_lights_as_the_lamp_itself_would, N_ELEM(pair))
 }
 
 /* A cone of 60 degrees toward the wall, which meets the floor from x = -1.46
- * beyond it on: the origin is in the dark, -2.5 is not. */
+ * beyond it on: the origin is in the dark, -2.5 is not, also where a ball is in
+ * the cone's middle. */
 LOOP_TEST(spotlight_stays_in_its_mirrored_cone, N_ELEM(pretest))
 {
     const char *scene = "void spotlight spot 0 0 7 100 100 100 60 1 0 0\n"
                         "spot ring l 0 0 8 0 0 2 1 0 0 0 .01\n"
+                        "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+                        "p sphere ball 0 0 4 .5 0 2 .1\n"
                         "void mirror m 0 0 3 1 1 1\nm " EAST;
     static const double lit[3] = { -2.5, 0, 0 };
     double d = sqrt(4.5 * 4.5 + 4), E;
@@ -347,17 +350,26 @@ LOOP_TEST(spotlight_stays_in_its_mirrored_cone, N_ELEM(pretest))
     ck_assert_double_eq_tol(irradiance(lit, up).r, E, 1e-4 * E);
 }
 
-TEST(glow_reaches_by_way_of_mirrors)
+static const double scale[] = { 1e-6, 1, 1e6 };
+
+LOOP_TEST(glow_reaches_by_way_of_mirrors, N_ELEM(scale))
 {
-    const char *form = "void glow g 0 0 4 100 100 100 %g\n"
-                       "g sphere ball 0 0 4 0 0 2 .01\n"
-                       "void mirror m 0 0 3 .8 .8 .8\nm " EAST;
+    double s = scale[_i];
+    const double reach[] = { 2.9, 2.8 }; /* the image is at 2.83 */
     char scene[512];
 
-    snprintf(scene, sizeof scene, form, 2.9); /* the image is at 2.83 */
-    near(light_of(scene, ""), from_ball(0) + .8 * from_ball(2));
-    snprintf(scene, sizeof scene, form, 2.8);
-    near(light_of(scene, ""), from_ball(0));
+    for (int i = 0; i < 2; i++) {
+        snprintf(scene, sizeof scene,
+                 "void glow g 0 0 4 100 100 100 %.9g\n"
+                 "g sphere ball 0 0 4 0 0 %.9g %.9g\n"
+                 "void mirror m 0 0 3 .8 .8 .8\n"
+                 "m polygon small 0 0 12 %.9g %.9g %.9g %.9g %.9g %.9g "
+                 "%.9g %.9g %.9g %.9g %.9g %.9g\n",
+                 reach[i] * s, 2 * s, .01 * s, s, -s, .5 * s, s, -s, 1.5 * s, s,
+                 s, 1.5 * s, s, s, .5 * s);
+        near(light_of(scene, ""),
+             from_ball(0) + (i == 0 ? .8 * from_ball(2) : 0));
+    }
 }
 
 /* What the eye sees is the other material, lit by lamp, not mirror. */
@@ -414,9 +426,8 @@ TEST(mirror_shows_what_is_before_it)
     near(world_see(&w, 2, 0, 0, -1, 0, 0).r, 7); /* or not there */
 }
 
-LOOP_TEST(scale_changes_nothing, 3)
+LOOP_TEST(scale_changes_nothing, N_ELEM(scale))
 {
-    static const double scale[] = { 1e-6, 1, 1e6 };
     double s = scale[_i], a = 99 * s;
     char scene[512];
 
