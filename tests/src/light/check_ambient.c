@@ -111,6 +111,39 @@ LOOP_TEST(textures_lean_where_cells_are_many, N_ELEM(leaning))
     ck_assert_double_eq_tol(sum, leaning[_i].L, .03);
 }
 
+/* The same of a record at its own place, which a frozen cache does not keep. */
+static const struct {
+    const char *texture, *bright;
+} leaned[] = {
+    { ".5 0 0", "1+Dx" },
+    { "-.5 0 0", "1-Dx" },
+    { "0 .5 0", "1+Dy" },
+    { "0 -.5 0", "1-Dy" },
+};
+
+LOOP_TEST(textures_lean_the_light_of_records, N_ELEM(leaned))
+{
+    char scene[512];
+    double sum = 0;
+
+    snprintf(scene, sizeof scene,
+             "void brightfunc f 2 %s . 0 0\nf glow g 0 0 4 1 1 1 0\n"
+             "g source sky 0 0 4 0 0 1 180\nvoid texfunc t 4 %s . 0 0\n"
+             "t plastic p 0 0 5 1 1 1 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n",
+             leaned[_i].bright, leaned[_i].texture);
+    world_open(&w, scene, "-ab 1 -aa .2 -ad 256 -as 0 -lw 1e-6");
+    rad_ambient_freeze(w.job->ambient);
+    for (int i = 0; i < 400; i++) {
+        struct rad_ray r;
+
+        world_ray(&w, &r, 0, 0, 1, 0, 0, -1);
+        r.key = rad_key_branch(1, (uint64_t)i);
+        rad_ray_trace(&w.ctx, &r);
+        sum += (double)r.L.g / 400;
+    }
+    ck_assert_double_eq_tol(sum, 1 + .5 / sqrt(1.25) * 2 / 3, .03);
+}
+
 /* In a closed box, -av after n bounces has been reflected n times, also where
  * records of fewer bounces are at hand. */
 LOOP_TEST(furnace_loses_the_reflectance_at_each_bounce, 2)
