@@ -502,8 +502,8 @@ veil_at(const struct rad_picture *p, const struct rad_view *v, int n, int i,
     return .08 * sum / all;
 }
 
-/* A lamp in a dark view of 12 degrees, which has 12 samples a side, each of 5
- * pixels; 2 - 2 cos(t) for t^2 is .1 % off there. */
+/* A coloured lamp in a dark view of 12 degrees, which has 12 samples a side,
+ * each of 5 pixels; 2 - 2 cos(t) for t^2 is .1 % off there. */
 TEST(veil_is_light_scattered_by_angle)
 {
     enum { N = 12, SIZE = 5 };
@@ -515,8 +515,9 @@ TEST(veil_is_light_scattered_by_angle)
 
     for (int y = 0; y < N * SIZE; y++)
         for (int x = 0; x < N * SIZE; x++)
-            p.L[y * N * SIZE + x] =
-                rad_grey(x / SIZE == 3 && y / SIZE == 4 ? 1e4f : 1);
+            p.L[y * N * SIZE + x] = x / SIZE == 3 && y / SIZE == 4
+                                        ? rad_rgb(2e4f, 1e4f, 3e4f)
+                                        : rad_rgb(2, 1, 3);
     e = rad_eye_new(&p, &v, false, NULL);
     ck_assert_ptr_nonnull(e);
     ck_assert_int_eq(rad_eye_open(e, &h, NULL), 0);
@@ -526,8 +527,11 @@ TEST(veil_is_light_scattered_by_angle)
             float L = p.L[(j * SIZE) * N * SIZE + i * SIZE].g;
             double want = .92 * L + veil_at(&p, &v, N, i, j);
 
-            ck_assert_double_eq_tol(row[i * SIZE + SIZE / 2].g, want,
-                                    .002 * want);
+            struct rad_rgb got = row[i * SIZE + SIZE / 2];
+
+            ck_assert_double_eq_tol(got.g, want, .002 * want);
+            ck_assert_float_eq_tol(got.r, 2 * got.g, 1e-5f * got.r);
+            ck_assert_float_eq_tol(got.b, 3 * got.g, 1e-5f * got.b);
         }
     }
     rad_eye_free(e);
