@@ -477,7 +477,7 @@ TEST(mesh_normals_and_coordinates_lie_between_the_corners)
     ck_assert_str_eq(w.scene->objects[r.hit.obj].name, RAD_MESH_FACE);
 }
 
-/* One that has coordinates lies below one that has none. */
+/* A mesh that has coordinates lies below one that has none. */
 TEST(mesh_without_coordinates_has_zeros)
 {
     static const struct parts_vertex v[] = { { { 0, 0, 1 }, { 0 }, { 0 } },
@@ -498,6 +498,7 @@ TEST(mesh_without_coordinates_has_zeros)
     ck_assert_double_eq_tol(r.hit.t, 8, 1e-8);
     ck_assert_double_eq(r.hit.uv[0], 0);
     ck_assert_double_eq(r.hit.uv[1], 0);
+    ck_assert(!r.hit.bent); /* it has no normals either */
 }
 
 /* Turned by 90 degrees about z, x goes to y; mirrored, -x. */
