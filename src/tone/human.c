@@ -58,11 +58,6 @@ rad_human_display(const struct rad_human *h, double Lw)
     double x, share;
     int i;
 
-    if (h->linear) {
-        double Ld = Lw / RAD_HUMAN_EFFICACY * h->scale * RAD_HUMAN_BRIGHTEST;
-
-        return fmin(fmax(Ld, RAD_HUMAN_DARKEST), RAD_HUMAN_BRIGHTEST);
-    }
     if (!(Lw > RAD_HUMAN_LEAST))
         return RAD_HUMAN_DARKEST;
     x = RAD_HUMAN_BINS * (log(Lw) - h->bmin) / (h->bmax - h->bmin);

@@ -51,7 +51,8 @@ struct rad_human {
 /* Replace the curve by a factor; veil, acuity and colour do not change. */
 void rad_human_linear(struct rad_human *h, double scale);
 
-/* The luminance of the screen for a luminance of the world [cd/m^2]. */
+/* The luminance of the screen for a luminance of the world [cd/m^2], by the
+ * curve: not for a factor. */
 double rad_human_display(const struct rad_human *h, double Lw);
 
 /* The least difference from luminance La that an eye sees [cd/m^2]. */
