@@ -42,6 +42,7 @@ spawn_primary(const struct rad_ctx *ctx, struct rad_ray *r,
     r->path = (uint16_t)kind;
     r->source = -1;
     r->sample = 0;
+    r->blur = 0;
     r->ext = ctx->job->params.cextinction;
     r->medium = ctx->job->medium;
 }
@@ -67,6 +68,7 @@ spawn_child(struct rad_ray *r, enum rad_raykind kind,
     }
     r->weight *= parent->weight * medium_weight(parent);
     r->sample = kind & RAD_RAY_AMBIENT ? r->weight : parent->sample;
+    r->blur = parent->blur;
 }
 
 /* A hemisphere's ray is a sample among many, and the noise of their mean hardly

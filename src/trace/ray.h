@@ -34,6 +34,8 @@ struct rad_ray {
     float weight;        /* product of coefs along the path, for -lw */
     float sample;        /* weight of its nearest ancestor, or itself, that is a
                           * hemisphere's ray; 0: there is none */
+    float blur;          /* added to the square roughness of gloss in which it
+                          * shows lamps: CELL_ROUGHNESS of hemisphere.c */
     int16_t level;       /* reflections so far */
     uint16_t depth;      /* ancestors: see RAD_MAX_DEPTH */
     uint16_t kind;       /* RAD_RAY_* of this ray */

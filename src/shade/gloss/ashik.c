@@ -59,11 +59,21 @@ schlick(double cosine)
     return s * s * s * s * s;
 }
 
+/* The power of a lobe whose square roughness, about 2 / power, is larger by
+ * `blur`. */
+static double
+blurred(double power, double blur)
+{
+    return power / (1 + .5 * blur * power);
+}
+
 /* The lobe for a light at ldir.  The exponent of cos(theta_h) depends on the
  * direction in which h leans; at the normal any exponent gives 1. */
 static double
 lobe(const struct ashik_hit *hit, const double ldir[3], double cos_l)
 {
+    double nu = blurred(hit->nu, (double)hit->r->blur);
+    double nv = blurred(hit->nv, (double)hit->r->blur);
     double h[3], hu, hv, hn, lean, power;
 
     rad_sub(h, ldir, hit->r->dir);
@@ -75,8 +85,8 @@ lobe(const struct ashik_hit *hit, const double ldir[3], double cos_l)
     if (!(hn > 0))
         return 0;
     lean = hu * hu + hv * hv;
-    power = lean > 0 ? (hit->nu * hu * hu + hit->nv * hv * hv) / lean : 0;
-    return sqrt((hit->nu + 1) * (hit->nv + 1)) * rad_pow(hn, power) /
+    power = lean > 0 ? (nu * hu * hu + nv * hv * hv) / lean : 0;
+    return sqrt((nu + 1) * (nv + 1)) * rad_pow(hn, power) /
            (8 * M_PI * rad_dot(ldir, h) * rad_most(cos_l, hit->cos_n));
 }
 

@@ -15,7 +15,8 @@
 double
 rad_gloss_brdf(const struct rad_gloss *g, const double ldir[3], double spread)
 {
-    double au2 = g->au * g->au + spread, av2 = g->av * g->av + spread;
+    double wider = spread + (double)g->r->blur;
+    double au2 = g->au * g->au + wider, av2 = g->av * g->av + wider;
     double h[3], hu, hv, hn2;
 
     rad_sub(h, ldir, g->r->dir);
@@ -34,8 +35,8 @@ double
 rad_gloss_btdf(const struct rad_gloss *g, const double ahead[3], double cos_n,
                const double ldir[3], double omega)
 {
-    double au2 = g->au * g->au + omega / M_PI;
-    double av2 = g->av * g->av + omega / M_PI;
+    double wider = omega / M_PI + (double)g->r->blur;
+    double au2 = g->au * g->au + wider, av2 = g->av * g->av + wider;
     double d[3], du, dv, along, e = 0;
 
     rad_sub(d, ldir, ahead);

@@ -96,7 +96,7 @@ add_light(struct rad_ray *r, struct rad_rgb L)
 static double
 reflect_lobe(const struct normal_hit *hit, const double ldir[3], double omega)
 {
-    double h[3], hn2, hh, alpha2 = hit->m->alpha2;
+    double h[3], hn2, hh, alpha2 = hit->m->alpha2 + (double)hit->r->blur;
 
     if (hit->flat)
         alpha2 += (1 - hit->ctx->job->params.srcjitter) * omega / (4 * M_PI);
@@ -117,7 +117,7 @@ static double
 transmit_lobe(const struct normal_hit *hit, const double ldir[3], double omega,
               double cos_l)
 {
-    double alpha2 = hit->m->alpha2 + omega / M_PI;
+    double alpha2 = hit->m->alpha2 + (double)hit->r->blur + omega / M_PI;
     double two_sin2 = 2 - 2 * rad_dot(hit->ahead, ldir);
 
     if (two_sin2 > LOBE_END * alpha2)

@@ -248,6 +248,25 @@ TEST(places_that_are_not_seen_do_no_harm)
     ck_assert_double_eq_tol(f.mean, disk_irradiance(), 4 * f.sd / sqrt(4000));
 }
 
+/* The sun in a ceiling of rough metal: what each hemisphere finds of a glint
+ * that is smaller than its cells is near the mean, and the mean is that of a
+ * mirror. */
+TEST(glints_are_no_smaller_than_cells)
+{
+    static const char scene[] = "void light sun 0 0 3 1e5 1e5 1e5\n"
+                                "sun source s 0 0 4 .3 0 -1 .5\n"
+                                "void metal m 0 0 5 .8 .8 .8 1 .02\n"
+                                "m ring ceiling 0 0 8 0 0 2  0 0 -1  0 50\n";
+    double half = .25 / 180 * M_PI, cos_sun = 1 / sqrt(1.09);
+    double E = .8 * 1e5 * M_PI * sin(half) * sin(half) * cos_sun;
+    struct found f;
+
+    world_open(&w, scene, "-ab 0 -ad 49 -as 0 -lw 0");
+    f = sample_many(NULL);
+    ck_assert_double_lt(f.sd, .6 * E);
+    ck_assert_double_eq_tol(f.mean, E, .04 * E);
+}
+
 TEST(glints_near_each_other_are_one_place)
 {
     struct rad_glint glint[4] = { glint_at(1, 2, 3, 10),
