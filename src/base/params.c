@@ -27,7 +27,8 @@ enum kind {
     KIND_U64,   /* --seed=N */
     KIND_PRIMS, /* -pRGB -pXYZ -pc: exclude each other */
     KIND_LIST,  /* -ae -ai: each use adds a name */
-    KIND_WAVES  /* -cw: two wavelengths */
+    KIND_WAVES, /* -cw: two wavelengths */
+    KIND_BALL   /* --shown: centre and radius */
 };
 
 struct option {
@@ -112,6 +113,8 @@ static const struct option options[] = {
         "rays of a pixel that is traced"),
     INT("--surroundings", surroundings, 0, 1 << 30, 0,
         "the scene's size over that of what is shown, 0: found"),
+    { "--shown", KIND_BALL, FIELD(shown), 0, 0, 0,
+      "centre and radius of a ball that holds it" },
     { "--seed", KIND_U64, FIELD(seed), 0, 0, 0, "of all random numbers" }
 };
 
@@ -177,7 +180,8 @@ rad_params_init(struct rad_params *p)
             ((struct rad_bands *)field)->longest = RAD_LONGEST_WAVE;
             ((struct rad_bands *)field)->shortest = RAD_SHORTEST_WAVE;
             break;
-        case KIND_PRIMS: /* RGB and an empty list are all zeros */
+        case KIND_BALL: /* none, RGB and an empty list are all zeros */
+        case KIND_PRIMS:
         case KIND_LIST:
             break;
         }
@@ -314,6 +318,25 @@ take_waves(struct rad_bands *b, const struct option *o, char *const argv[],
 }
 
 static int
+take_ball(double ball[4], const struct option *o, char *const argv[],
+          struct rad_error *err)
+{
+    double v[4];
+
+    for (int i = 0; i < 4; i++)
+        if (!rad_parse_real(argv[i], &v[i]))
+            return rad_fail(err, RAD_EUSAGE,
+                            "option '%s': expected a number, got '%.40s'",
+                            o->name, argv[i]);
+    if (!(v[3] > 0))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '%s': the radius '%.40s' is not above 0",
+                        o->name, argv[3]);
+    memcpy(ball, v, sizeof v);
+    return 0;
+}
+
+static int
 take_u64(uint64_t *field, const struct option *o, const char *text,
          struct rad_error *err)
 {
@@ -339,6 +362,8 @@ words_of(const struct option *o, const char *rest)
         return 3;
     case KIND_WAVES:
         return 2;
+    case KIND_BALL:
+        return 4;
     case KIND_LIST:
         return 1;
     case KIND_PRIMS:
@@ -456,6 +481,8 @@ take_value(struct rad_params *p, const struct option *o, const char *rest,
         return take_rgb(field, o, argv + 1, err);
     case KIND_WAVES:
         return take_waves(field, o, argv + 1, err);
+    case KIND_BALL:
+        return take_ball(field, o, argv + 1, err);
     case KIND_U64:
         return take_u64(field, o, text, err);
     case KIND_PRIMS:
@@ -582,11 +609,11 @@ format_waves(char *buf, size_t size, const struct rad_bands *b)
 }
 
 static void
-format_chroma(char *buf, const double c[8])
+format_reals(char *buf, const double v[], int n)
 {
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < n; i++) {
         *buf++ = ' ';
-        rad_format_real(buf, c[i]);
+        rad_format_real(buf, v[i]);
         buf += strlen(buf);
     }
 }
@@ -628,6 +655,8 @@ is_said(const struct rad_params *p, const struct option *o)
         return p->samples > 1;
     if (o->field == FIELD(surroundings))
         return p->surroundings > 0;
+    if (o->kind == KIND_BALL)
+        return p->shown[3] > 0;
     if (o->field == FIELD(bands.plane))
         return p->bands.plane >= 0;
     if (o->field == FIELD(bands.n) || o->kind == KIND_WAVES)
@@ -664,13 +693,16 @@ format_option(const struct rad_params *p, const struct option *o, char *buf,
     case KIND_WAVES:
         format_waves(num, sizeof num, field);
         break;
+    case KIND_BALL:
+        format_reals(num, field, 4);
+        break;
     case KIND_U64:
         snprintf(num, sizeof num, "=%llu",
                  (unsigned long long)*(const uint64_t *)field);
         break;
     case KIND_PRIMS:
         if (o->value == RAD_PRIM_CUSTOM)
-            format_chroma(num, p->chroma);
+            format_reals(num, p->chroma, 8);
         break;
     case KIND_LIST:
         format_names(p, o, buf, size);
@@ -756,6 +788,7 @@ rad_params_of_records(const struct rad_params *p, struct rad_params *out)
     out->motion = usual.motion;
     out->aperture = usual.aperture;
     out->samples = usual.samples;
+    memcpy(out->shown, usual.shown, sizeof out->shown);
 }
 
 void

@@ -86,6 +86,8 @@ struct rad_params {
     /* ours */
     int surroundings; /* --surroundings: the scene is so many times as large as
                        * the part of it that pictures show; 0: as 1 */
+    double shown[4];  /* --shown: centre and radius of a ball that holds that
+                       * part; radius 0: it is not known where it is */
     uint64_t seed;    /* --seed */
 };
 
@@ -106,9 +108,11 @@ struct rad_rgb rad_params_colour(const struct rad_params *p, struct rad_rgb L);
 
 /* Copy *p, with defaults for the options that ambient records do not depend on:
  * which pixels there are, where in a pixel, through which lens and at what time
- * rays go, how pixels are written, and how many bands red, green and blue are
- * made of (RAD_PLANE_COLOURS).  If the results for two jobs on one
- * scene are equal, seed included, their records are made by the same rules. */
+ * rays go, how pixels are written, how many bands red, green and blue are made
+ * of (RAD_PLANE_COLOURS), and where what they show is, for a job takes no
+ * record that is too coarse for its place (rad_ambient_fits()).  If the results
+ * for two jobs on one scene are equal, seed included, records of one suit the
+ * other. */
 void rad_params_of_records(const struct rad_params *p, struct rad_params *out);
 
 /* Is the word the on/off option `name`, as Radiance's programs take it?  The

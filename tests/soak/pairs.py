@@ -409,6 +409,7 @@ SUBMIT = {
     "job": ["--job=" + "5" * 32],
     "seed": ["--seed=7"],
     "surroundings": ["--surroundings=1", "--surroundings=16"],
+    "shown": ["--shown 0 0 0 4", "--surroundings=16 --shown 9 9 1 2"],
     "samples": ["--samples=3"],
     "bands": ["-cs 6", "-cs 6 -co+", "-cs 6 --plane 1", "-cs 6 -cw 500 600"],
     "channels": ["-pXYZ", "-pc .7 .3 .2 .7 .1 .1 .3 .3"],

@@ -129,8 +129,9 @@ rad_ambient_fits(const struct rad_ambient *amb, const struct rad_ambrec *rec)
     }
     return is_direction(rec->n, NULL) && is_direction(rec->u, rec->n) &&
            rec->radius[0] > 0 && rec->radius[0] <= rec->radius[1] &&
-           rec->radius[1] <= 1.001 * amb->scale.most && rad_rgb_sound(rec->E) &&
-           is_finite(rec->gpos, 2) && is_finite(rec->gdir, 2) &&
+           rec->radius[1] <= 1.001 * rad_ambscale_most(&amb->scale, rec->p) &&
+           rad_rgb_sound(rec->E) && is_finite(rec->gpos, 2) &&
+           is_finite(rec->gdir, 2) &&
            (rec->var == RAD_AMBREC_UNSURE ||
             (rec->var >= 0 && rec->var <= MOST_VARIANCE)) &&
            is_finite(rec->glint.p, 3) && is_finite(&rec->glint.lum, 1) &&

@@ -30,6 +30,12 @@
 #define MOST_BENT .5 /* E'' r^2 / E; the error is half of it */
 #define FINEST    .5
 
+/* The largest radius of a zone far from what is shown, over the distance: as
+ * seen from there far zones look as large as near ones, and their errors
+ * average as those do.  With zones as small as near by, hills some kilometres
+ * from a room take a hundred times the rays of the room. */
+#define FAR_WIDTH .2
+
 /* Each bounce leaves about half of the light, and the errors of deep records
  * are averaged over the hemisphere above.  So a bounce halves a record's
  * samples and doubles the area of its zone, beyond the effect of its weight;
@@ -40,7 +46,8 @@
  * the smallest radius; without -ar the smallest radius is well above rounding.
  * But where pictures show a small part of the scene (--surroundings), a fifth
  * and the unit are of that part: by the ground of 10 km that a room stands on,
- * zones would miss what lies beside them however fine -ar is. */
+ * zones would miss what lies beside them however fine -ar is.  Far from that
+ * part (--shown) they may be wider again: see FAR_WIDTH. */
 void
 rad_ambscale_set(struct rad_ambscale *s, double side,
                  const struct rad_params *par)
@@ -57,6 +64,11 @@ rad_ambscale_set(struct rad_ambscale *s, double side,
         s->most = 64 * s->least;
     if (par->surroundings > 1)
         s->most = rad_least(s->most, rad_most(.2 * s->shown_side, s->least));
+    s->widest = par->surroundings > 1 && par->shown[3] > 0
+                    ? rad_most(.2 * s->side, s->most)
+                    : s->most;
+    rad_copy(s->at, par->shown);
+    s->within = par->shown[3];
     s->ambacc = s->deep = aa;
     s->shown = rad_most(aa, rad_least(OVERLAP * aa, FARTHEST_OVERLAP));
 }
@@ -65,6 +77,17 @@ double
 rad_ambrec_worth(const struct rad_ambrec *rec)
 {
     return rec->weight * rad_pow(LESS_BY_BOUNCE, rec->level);
+}
+
+double
+rad_ambscale_most(const struct rad_ambscale *scale, const double p[3])
+{
+    double far;
+
+    if (!(scale->widest > scale->most))
+        return scale->most;
+    far = sqrt(rad_dist2(p, scale->at)) - scale->within;
+    return rad_least(rad_most(scale->most, FAR_WIDTH * far), scale->widest);
 }
 
 double
@@ -117,6 +140,7 @@ limit_radii(const struct rad_ambscale *scale, const double gpos[2],
             double least, const struct rad_ambrec *rec, double r[2])
 {
     double larger = 1 / sqrt(rad_ambrec_worth(rec));
+    double most = rad_ambscale_most(scale, rec->p);
 
     least /= sqrt((double)rec->weight);
     for (int k = 0; k < 2; k++)
@@ -124,7 +148,7 @@ limit_radii(const struct rad_ambscale *scale, const double gpos[2],
             r[k] = 1 / fabs(gpos[k]);
     r[0] = rad_least(r[0], r[1]);
     for (int k = 0; k < 2; k++)
-        r[k] = rad_least(rad_most(larger * r[k], least), scale->most);
+        r[k] = rad_least(rad_most(larger * r[k], least), most);
     r[1] = rad_least(r[1], 2 * r[0]);
 }
 

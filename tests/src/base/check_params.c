@@ -167,6 +167,9 @@ static const struct {
     { "-cw 0 500", "option '-cw': '0' is not between 1 and 1000000" },
     { "--samples=0", "option '--samples': '0' is not between 1 and 1024" },
     { "--plane 9", "option '--plane': '9' is not between -1 and 8" },
+    { "--shown 1 2 3", "option '--shown': expected 4 values, got 3" },
+    { "--shown 1 x 3 4", "option '--shown': expected a number, got 'x'" },
+    { "--shown 1 2 3 0", "option '--shown': the radius '0' is not above 0" },
     { "-ro pic", "option '-ro' of rpict is not supported: a job keeps what is "
                  "rendered and goes on by itself; submit it again" },
     { "-PP file", "option '-PP' of rpict is not supported: the daemons stay, "
@@ -183,6 +186,9 @@ static const struct {
     { "--samples=4", "--samples 4 --seed=0", 3, -1, 780, 380 },
     { "--surroundings 0", "--seed=0", 3, -1, 780, 380 },
     { "--surroundings=4", "--surroundings 4 --seed=0", 3, -1, 780, 380 },
+    { "--surroundings 4 --shown 1e6 -2 -.5 7.25",
+      "--surroundings 4 --shown 1000000 -2 -0.5 7.25 --seed=0", 3, -1, 780,
+      380 },
     { "-cs 20", "-cs 20 -cw 380 780 --seed=0", 20, -1, 780, 380 },
     { "-cs 99", "-cs 24 -cw 380 780 --seed=0", 24, -1, 780, 380 },
     { "-cw 700 400.5", "-cs 3 -cw 400.5 700 --seed=0", 3, -1, 700, 400.5 },
@@ -444,13 +450,14 @@ LOOP_TEST(first_option_that_differs_is_named, N_ELEM(differing))
     ck_assert_mem_eq(name, differing[_i].name, (size_t)n);
 }
 
-TEST(records_of_colours_know_no_bands)
+TEST(records_of_colours_know_no_bands_nor_places)
 {
     struct rad_params p, q, r;
 
     rad_params_init(&p);
     q = p;
     q.bands = (struct rad_bands){ 20, 700, 400, RAD_PLANE_COLOURS };
+    q.shown[0] = q.shown[3] = 4;
     rad_params_of_records(&q, &r);
     ck_assert_mem_eq(&r, &p, sizeof p);
     q.bands.plane = 0;

@@ -510,6 +510,42 @@ LOOP_TEST(surroundings_leave_zones_alone, N_ELEM(sampled_at))
                                1e-4f * rec[0].radius[k]);
 }
 
+static const struct {
+    const char *shown;
+    double x, most; /* the largest radius there */
+} far_places[] = {
+    { "", 102, .4 },
+    { "--shown 0 0 0 2", 0, .4 },
+    { "--shown 0 0 0 2", 3.9, .4 },
+    { "--shown 0 0 0 2", 102, 20 },
+    { "--shown -102 0 0 2", 0, 20 },
+    { "--shown -2000 0 0 2", 1000, .2 * 2048 },
+};
+
+/* Zones far from what is shown may be as wide as they look small from there. */
+LOOP_TEST(zones_are_wider_far_from_what_is_shown, N_ELEM(far_places))
+{
+    double x = far_places[_i].x, most = far_places[_i].most;
+    struct rad_ambrec rec;
+    uint64_t cursor = 0;
+    char options[200];
+
+    snprintf(options, sizeof options,
+             "-ab 1 -aa .5 -ad 64 -ar 16384 --surroundings=1024 %s",
+             far_places[_i].shown);
+    world_open(&w, SKY PLASTIC "white ring ground 0 0 8 0 0 0 0 0 1 0 1024\n",
+               options);
+    irradiance_up(&w, x, 0, 0);
+    ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
+    ck_assert_double_eq_tol(rec.radius[0], most, 1e-4 * most);
+    /* of another job's records those that are too coarse here are refused */
+    rec = record(x, 0, 0, 1, 0);
+    rec.radius[1] = (float)(.99 * most);
+    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    rec.radius[1] = (float)(1.01 * most);
+    ck_assert(!rad_ambient_insert(w.job->ambient, &rec));
+}
+
 /* Two lamps in a room are two bright places, though the scene's grid has them
  * in one cell, and some records lie far away. */
 TEST(surroundings_leave_bright_places_apart)
