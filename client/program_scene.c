@@ -51,30 +51,54 @@ settle_bands(struct program *p)
     p->planes.n = 1;
 }
 
-/* Find how much larger the scene is than what is shown, unless that was given;
- * then -ar, unless it was given, goes by what is shown.  A file of ambient
- * values serves views of all sizes: for it nothing is found but a warning. */
+/* Find how large what is shown is, and where it is. */
 static int
-settle_surroundings(struct program *p)
+find_surroundings(struct program *p, struct surroundings *s)
 {
-    struct rad_params *q = &p->o.params;
     struct rad_points points;
     uint8_t *bytes = NULL;
     int rc = 0;
 
+    if (p->o.points.file)
+        rc = pointjob_pack(&p->points, &points, &bytes, p->err);
+    if (rc == 0)
+        rc = surroundings_find(s, p->scene.scene, p->frames.list, p->frames.n,
+                               bytes ? &points : NULL, p->err);
+    free(bytes);
+    return rc;
+}
+
+/* Is the place of what is shown to be found? */
+static bool
+lacks_place(const struct program *p)
+{
+    const struct rad_params *q = &p->o.params;
+
+    return q->surroundings > 1 && !(q->shown[3] > 0) && !p->o.ambient;
+}
+
+/* Find how much larger the scene is than what is shown, and where that is,
+ * unless these were given; then -ar, unless it was given, goes by what is
+ * shown.  A file of ambient values serves views of all sizes: for it nothing is
+ * found but a warning. */
+static int
+settle_surroundings(struct program *p)
+{
+    struct rad_params *q = &p->o.params;
+    struct surroundings s = { 0 };
+    int rc = 0;
+
     if ((p->frames.n == 0 && !p->stream.is) || !submit_options_cache(&p->o))
         return 0;
-    if (q->surroundings == 0 && !p->stream.is) {
-        if (p->o.points.file)
-            rc = pointjob_pack(&p->points, &points, &bytes, p->err);
-        if (rc == 0)
-            rc = surroundings_find(&p->surroundings, p->scene.scene,
-                                   p->frames.list, p->frames.n,
-                                   bytes ? &points : NULL, p->err);
-        free(bytes);
+    if (!p->stream.is && (q->surroundings == 0 || lacks_place(p)))
+        rc = find_surroundings(p, &s);
+    if (q->surroundings == 0) {
+        p->surroundings = s;
         if (!p->o.ambient)
-            q->surroundings = surroundings_times(&p->surroundings);
+            q->surroundings = surroundings_times(&s);
     }
+    if (lacks_place(p))
+        surroundings_place(&s, q->shown);
     if (!p->o.ambres_given)
         q->ambres = surroundings_ambres(q->surroundings, q->ambres);
     return rc;

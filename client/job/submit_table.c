@@ -314,6 +314,8 @@ submit_table_help(FILE *to)
         "  --surroundings=N            how many times as large as what is "
         "shown the scene\n"
         "                              is (found)\n"
+        "  --shown X Y Z RADIUS        a ball that holds what is shown "
+        "(found)\n"
         "  --seed=N                    of all random numbers (0)\n"
         "  --rpict-path                print the folder of a program "
         "rpict that calls\n"

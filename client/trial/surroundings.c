@@ -8,7 +8,11 @@
  * a small part of a wall shows little, but is lit by all of its room; so the
  * part counts for no less than the space before its surface, or NEAR distances
  * from the eye if that is smaller: a room by itself is rendered alike from all
- * of these. */
+ * of these.
+ *
+ * Far from what is shown zones may be wider, so its place must hold whatever a
+ * picture shows from near: the balls of the views that are looked at, and the
+ * eyes of all. */
 #include "config.h"
 
 #include "trial/surroundings.h"
@@ -43,6 +47,9 @@ enum { STEP = 4, MOST_TIMES = 1 << 30 };
 #define IN_THE_OPEN .5
 
 #define NEAR (TIMES_SHOWN * STEP)
+
+/* A place is told within the size of what is shown over this. */
+#define ROUND 8
 
 /* A ray from a surface begins so many bounds of its error above it. */
 #define ABOVE 16
@@ -202,23 +209,29 @@ keep_enclosed(struct look *l)
     l->n = n;
 }
 
-/* The diameter of the smallest ball about a hit that holds this part of all. */
+/* The diameter of the smallest ball about a hit that holds this part of all;
+ * *about is that hit. */
 static double
-smallest_ball(const struct look *l, double part)
+smallest_ball(const struct look *l, double part, int *about)
 {
     double least = INFINITY, far[RAYS];
 
     for (int i = 0; i < l->n; i++) {
         for (int j = 0; j < l->n; j++)
             far[j] = sqrt(rad_dist2(l->at[i], l->at[j]));
-        least = fmin(least, quantile(far, l->n, part));
+        far[0] = quantile(far, l->n, part);
+        if (far[0] < least) {
+            least = far[0];
+            *about = i;
+        }
     }
     return 2 * least;
 }
 
-/* How large is what was met?  INFINITY: that is not known. */
+/* How large is what was met, and about which hit?  INFINITY: that is not known.
+ */
 static double
-size_of(struct look *l)
+size_of(struct look *l, int *about)
 {
     int all = l->n, enclosed = 0;
     double size;
@@ -229,13 +242,23 @@ size_of(struct look *l)
         enclosed += l->space[i] < INFINITY;
     if (enclosed > ENCLOSED * all) {
         keep_enclosed(l);
-        size = fmax(smallest_ball(l, IN_A_ROOM),
+        size = fmax(smallest_ball(l, IN_A_ROOM, about),
                     fmin(quantile(l->space, l->n, .5),
                          NEAR * quantile(l->eye, l->n, .5)));
     } else {
-        size = smallest_ball(l, IN_THE_OPEN);
+        size = smallest_ball(l, IN_THE_OPEN, about);
     }
     return size > 0 ? size : INFINITY;
+}
+
+/* Let the box hold a ball. */
+static void
+hold(struct surroundings *s, const double at[3], double radius)
+{
+    for (int k = 0; k < 3; k++) {
+        s->lo[k] = fmin(s->lo[k], at[k] - radius);
+        s->hi[k] = fmax(s->hi[k], at[k] + radius);
+    }
 }
 
 static int
@@ -288,31 +311,54 @@ look_at_points(struct look *l, const struct rad_points *points, double slack)
     }
 }
 
+/* Let the box hold all eyes of the n frames, or the places of all points: of
+ * many frames or points not all are looked at. */
+static int
+hold_eyes(struct surroundings *s, const struct msg_frame *frames, uint32_t n,
+          const struct rad_points *points, struct rad_error *err)
+{
+    double org[3], dir[3];
+    struct rad_view view;
+    int rc = 0;
+
+    for (int y = 0; points && y < points->height; y++)
+        for (int x = 0; x < points->width; x++)
+            if (rad_points_at(points, x, y, org, dir))
+                hold(s, org, 0);
+    for (uint32_t i = 0; !points && i < n && rc == 0; i++)
+        if ((rc = read_view(&view, frames[i].view, err)) == 0)
+            hold(s, view.vp, 0);
+    return rc;
+}
+
 /* Look along `views` of the n frames, or about the points. */
 static int
 look_at_all(struct surroundings *s, struct look *l,
             const struct msg_frame *frames, uint32_t n, uint32_t views,
             const struct rad_points *points, struct rad_error *err)
 {
-    double least = INFINITY;
+    double least = INFINITY, size;
+    int rc = hold_eyes(s, frames, n, points, err);
 
-    for (uint32_t i = 0; i < views; i++) {
+    for (uint32_t i = 0; i < views && rc == 0; i++) {
         struct rad_view view;
-        int rc;
+        int about = 0;
 
         l->n = 0;
         if (points) {
             look_at_points(l, points, 1e-7 * s->cube);
         } else {
             rc = read_view(&view, frames[(uint64_t)i * n / views].view, err);
-            if (rc < 0)
-                return rc;
-            look_at_view(l, &view);
+            if (rc == 0)
+                look_at_view(l, &view);
         }
-        least = fmin(least, size_of(l));
+        size = size_of(l, &about);
+        if (isfinite(size))
+            hold(s, l->at[about], size / 2);
+        least = fmin(least, size);
     }
     s->shown = isfinite(least) ? least : 0;
-    return 0;
+    return rc;
 }
 
 int
@@ -328,6 +374,10 @@ surroundings_find(struct surroundings *s, const struct rad_scene *scene,
     int rc = 0;
 
     *s = (struct surroundings){ 0 };
+    for (int k = 0; k < 3; k++) {
+        s->lo[k] = INFINITY;
+        s->hi[k] = -INFINITY;
+    }
     if (!surf || !l)
         rc = rad_fail_memory(err);
     else if (!(geom =
@@ -356,6 +406,21 @@ surroundings_times(const struct surroundings *s)
     while (times < MOST_TIMES && times * (double)STEP <= more)
         times *= STEP;
     return times > 1 ? times : 0;
+}
+
+/* In steps of a power of two, so that a picture's header has short numbers. */
+void
+surroundings_place(const struct surroundings *s, double ball[4])
+{
+    double step = exp2(floor(log2(s->shown / ROUND)));
+    double radius = ceil(sqrt(rad_dist2(s->lo, s->hi)) / 2 / step + 1) * step;
+
+    memset(ball, 0, 4 * sizeof *ball);
+    if (!(s->shown > 0 && isfinite(radius)))
+        return;
+    for (int k = 0; k < 3; k++)
+        ball[k] = floor((s->lo[k] + s->hi[k]) / 2 / step + .5) * step;
+    ball[3] = radius;
 }
 
 bool

@@ -16,6 +16,8 @@ struct surroundings {
     double cube;  /* side of the cube about all surfaces */
     double shown; /* diameter of the smallest ball that has most of what a view
                    * meets; the least of all views.  0: not known */
+    double lo[3], hi[3]; /* of a box that holds these balls, and all eyes or
+                          * sensors */
 };
 
 /* Find them for n frames, or for sensor points (else NULL).  RAD_ENOMEM, or
@@ -27,6 +29,10 @@ int surroundings_find(struct surroundings *s, const struct rad_scene *scene,
 /* The value for --surroundings: a power of four, for views side by side are to
  * have the same; 0: the scene is not much larger. */
 int surroundings_times(const struct surroundings *s);
+
+/* Set *ball to centre and radius of a ball that holds what is shown, as --shown
+ * has them; radius 0: that is not known. */
+void surroundings_place(const struct surroundings *s, double ball[4]);
 
 /* Is the least radius that -ar gives too large for what is shown? */
 bool surroundings_blur(const struct surroundings *s, int ambres);

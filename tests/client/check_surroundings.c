@@ -4,6 +4,7 @@
 #include "config.h"
 
 #include "trial/surroundings.h"
+#include "base/vec.h"
 #include "tests/unit.h"
 #include "tests/world.h"
 
@@ -106,6 +107,40 @@ LOOP_TEST(what_a_view_shows_is_found, N_ELEM(views))
     ck_assert_int_eq(surroundings_times(&s), views[_i].times);
 }
 
+/* Does the ball hold the point? */
+static bool
+holds(const double ball[4], double x, double y, double z)
+{
+    double p[3] = { x, y, z };
+
+    return rad_dist2(p, ball) <= ball[3] * ball[3];
+}
+
+/* Of more frames than are looked at the eyes count. */
+TEST(the_place_of_what_is_shown_is_found)
+{
+    struct msg_frame frames[1000];
+    struct surroundings s;
+    double ball[4];
+
+    for (int i = 0; i < 1000; i++)
+        frames[i].view = WITHIN;
+    s = find(ROOM GROUND, frames, 1, NULL);
+    surroundings_place(&s, ball);
+    ck_assert(holds(ball, 4.5, 4.8, 1.6) && holds(ball, 2.5, 2.5, 1.5));
+    ck_assert_double_lt(ball[3], 10);
+    for (int k = 0; k < 4; k++)
+        ck_assert_double_eq(ball[k], floor(8 * ball[k]) / 8);
+    frames[999].view = "-vp 2 -60 1 -vd 0 0 1 -vu 0 1 0";
+    s = find(ROOM GROUND, frames, 1000, NULL);
+    surroundings_place(&s, ball);
+    ck_assert(holds(ball, 2, -60, 1) && holds(ball, 2.5, 2.5, 1.5));
+    ck_assert_double_lt(ball[3], 45);
+    s = find(ROOM GROUND, frames + 999, 1, NULL);
+    surroundings_place(&s, ball);
+    ck_assert_double_eq(ball[3], 0);
+}
+
 /* An animation from the air into the room. */
 TEST(the_view_that_shows_least_counts)
 {
@@ -135,6 +170,7 @@ LOOP_TEST(what_sensors_see_is_found, N_ELEM(sensors))
     uint32_t pixel[9], n = sensors[_i].n;
     struct rad_points points;
     struct surroundings s;
+    double ball[4];
     int width, height;
     uint8_t *file;
 
@@ -150,11 +186,16 @@ LOOP_TEST(what_sensors_see_is_found, N_ELEM(sensors))
     free(file);
     ck_assert_double_ge(s.shown, sensors[_i].least);
     ck_assert_double_le(s.shown, sensors[_i].most);
+    surroundings_place(&s, ball);
+    ck_assert_double_lt(ball[3], 9);
+    for (uint32_t i = 0; i < n; i++)
+        ck_assert(holds(ball, point[i][0], point[i][1], point[i][2]));
 }
 
 TEST(a_coarse_resolution_is_told)
 {
-    struct surroundings site = { 2e4, 3 }, room = { 5, 3 };
+    struct surroundings site = { .cube = 2e4, .shown = 3 };
+    struct surroundings room = { .cube = 5, .shown = 3 };
 
     ck_assert(surroundings_blur(&site, 64));
     ck_assert(!surroundings_blur(&site, 64 * 1024));
