@@ -110,8 +110,8 @@ struct rad_rgb rad_params_colour(const struct rad_params *p, struct rad_rgb L);
  * which pixels there are, where in a pixel, through which lens and at what time
  * rays go, how pixels are written, how many bands red, green and blue are made
  * of (RAD_PLANE_COLOURS), and where what they show is, for a job takes no
- * record that is too coarse for its place (rad_ambient_fits()).  If the results
- * for two jobs on one scene are equal, seed included, records of one suit the
+ * wider zones than suit its place (rad_ambrec_narrow()).  If the results for
+ * two jobs on one scene are equal, seed included, records of one suit the
  * other. */
 void rad_params_of_records(const struct rad_params *p, struct rad_params *out);
 

@@ -148,6 +148,17 @@ wrong()
     room=$scenes/functions.rad
     wrong 65 "is of another scene" $second "$@" --reuse="$id"
 }
+
+# what showed another part of a scene serves, though its zones are wide here
+{ cat "$scenes/room.rad"; echo 'wall ring ground 0 0 8 2 2 -9 0 0 1 0 1e4'; } \
+    >"$work/site.rad"
+room=$work/site.rad
+set -- -vf "$scenes/room.vf" -ab 2 -ad 32 -x 40 -y 40 --surroundings=256
+job there "$@" --shown 900 900 0 4
+job here "$@" --reuse="$id"
+[ "$(total "$work/here.json" reused_values)" = \
+    "$(total "$work/there.json" tile_values)" ] ||
+    fail "another part of the scene: $(cat "$work/here.err")"
 expect 64 "needs a coordinator" "a cluster of its own" \
     "$radsubmit" -ab 1 --reuse=last -o "$work/wrong.hdr" "$room"
 cluster_stop

@@ -129,7 +129,7 @@ rad_ambient_fits(const struct rad_ambient *amb, const struct rad_ambrec *rec)
     }
     return is_direction(rec->n, NULL) && is_direction(rec->u, rec->n) &&
            rec->radius[0] > 0 && rec->radius[0] <= rec->radius[1] &&
-           rec->radius[1] <= 1.001 * rad_ambscale_most(&amb->scale, rec->p) &&
+           rec->radius[1] <= 1.001 * amb->scale.widest &&
            rad_rgb_sound(rec->E) && is_finite(rec->gpos, 2) &&
            is_finite(rec->gdir, 2) &&
            (rec->var == RAD_AMBREC_UNSURE ||
@@ -315,6 +315,8 @@ rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
 {
     struct rad_ambzone zone[RAD_AMBIENT_TOGETHER];
 
+    for (size_t i = 0; i < n; i++)
+        rad_ambrec_narrow(&amb->scale, &rec[i]);
     if (amb->frozen) {
         for (size_t i = 0; i < n; i++)
             insert(amb, &rec[i], false);

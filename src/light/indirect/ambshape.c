@@ -64,11 +64,10 @@ rad_ambscale_set(struct rad_ambscale *s, double side,
         s->most = 64 * s->least;
     if (par->surroundings > 1)
         s->most = rad_least(s->most, rad_most(.2 * s->shown_side, s->least));
-    s->widest = par->surroundings > 1 && par->shown[3] > 0
-                    ? rad_most(.2 * s->side, s->most)
-                    : s->most;
+    s->widest =
+        par->surroundings > 1 ? rad_most(.2 * s->side, s->most) : s->most;
     rad_copy(s->at, par->shown);
-    s->within = par->shown[3];
+    s->within = par->shown[3] > 0 ? par->shown[3] : INFINITY;
     s->ambacc = s->deep = aa;
     s->shown = rad_most(aa, rad_least(OVERLAP * aa, FARTHEST_OVERLAP));
 }
@@ -77,17 +76,6 @@ double
 rad_ambrec_worth(const struct rad_ambrec *rec)
 {
     return rec->weight * rad_pow(LESS_BY_BOUNCE, rec->level);
-}
-
-double
-rad_ambscale_most(const struct rad_ambscale *scale, const double p[3])
-{
-    double far;
-
-    if (!(scale->widest > scale->most))
-        return scale->most;
-    far = sqrt(rad_dist2(p, scale->at)) - scale->within;
-    return rad_least(rad_most(scale->most, FAR_WIDTH * far), scale->widest);
 }
 
 double
@@ -130,6 +118,29 @@ least_radius(const struct rad_ambscale *scale, double value)
     return rad_most(sqrt(MOST_BENT / value), FINEST * scale->least);
 }
 
+/* The largest radius of a record at p. */
+static double
+most_radius(const struct rad_ambscale *scale, const double p[3])
+{
+    double far;
+
+    if (!(scale->widest > scale->most))
+        return scale->most;
+    far = sqrt(rad_dist2(p, scale->at)) - scale->within;
+    return rad_least(rad_most(scale->most, FAR_WIDTH * far), scale->widest);
+}
+
+void
+rad_ambrec_narrow(const struct rad_ambscale *scale, struct rad_ambrec *rec)
+{
+    float most = (float)most_radius(scale, rec->p);
+
+    if (!(scale->widest > scale->most))
+        return;
+    for (int k = 0; k < 2; k++)
+        rec->radius[k] = rec->radius[k] < most ? rec->radius[k] : most;
+}
+
 /* Limit the radii r: E must not double over them, and they are not below
  * `least`.  Records for lighter and deeper rays get larger radii.  Where
  * `least` limits a radius E bends too much already: there the weight counts,
@@ -140,7 +151,7 @@ limit_radii(const struct rad_ambscale *scale, const double gpos[2],
             double least, const struct rad_ambrec *rec, double r[2])
 {
     double larger = 1 / sqrt(rad_ambrec_worth(rec));
-    double most = rad_ambscale_most(scale, rec->p);
+    double most = most_radius(scale, rec->p);
 
     least /= sqrt((double)rec->weight);
     for (int k = 0; k < 2; k++)

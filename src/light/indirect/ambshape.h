@@ -20,7 +20,8 @@ struct rad_ambscale {
     double shown_side;  /* of the part that pictures show (--surroundings) */
     double least, most; /* radii that -ar allows, near what is shown */
     double widest;      /* `most` grows up to this, far from what is shown */
-    double at[3], within; /* centre and radius of the ball that holds that */
+    double at[3], within; /* centre and radius of the ball that holds that;
+                           * radius INFINITY: it may be anywhere */
     double ambacc;      /* -aa */
     double shown;       /* rad_ambscale_reach() of level 0 */
     double deep;        /* rad_ambscale_reach() of other levels */
@@ -37,8 +38,10 @@ rad_ambscale_reach(const struct rad_ambscale *scale, int level)
     return level > 0 ? scale->deep : scale->shown;
 }
 
-/* The largest radius of a record at p. */
-double rad_ambscale_most(const struct rad_ambscale *scale, const double p[3]);
+/* Limit the radii of a record whose job may have shown another part of the
+ * scene, and so had wider zones here. */
+void rad_ambrec_narrow(const struct rad_ambscale *scale,
+                       struct rad_ambrec *rec);
 
 /* The distance from a record with these radii within which E is about linear, a
  * mean over all directions [scene units]. */

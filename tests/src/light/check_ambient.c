@@ -538,12 +538,33 @@ LOOP_TEST(zones_are_wider_far_from_what_is_shown, N_ELEM(far_places))
     irradiance_up(&w, x, 0, 0);
     ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
     ck_assert_double_eq_tol(rec.radius[0], most, 1e-4 * most);
-    /* of another job's records those that are too coarse here are refused */
-    rec = record(x, 0, 0, 1, 0);
-    rec.radius[1] = (float)(.99 * most);
-    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
-    rec.radius[1] = (float)(1.01 * most);
-    ck_assert(!rad_ambient_insert(w.job->ambient, &rec));
+}
+
+/* A record of a job that showed another part of the scene serves no farther
+ * than this job's own. */
+LOOP_TEST(wide_zones_are_narrowed_near_what_is_shown, 2)
+{
+    bool frozen = _i;
+    uint64_t cursor = 0;
+    struct rad_ambrec rec;
+
+    world_open(&w, PLASTIC "white ring ground 0 0 8 0 0 0 0 0 1 0 1024\n",
+               CACHED " -ar 16384 --surroundings=1024 --shown 0 0 0 2");
+    if (frozen)
+        rad_ambient_freeze(w.job->ambient);
+    for (int i = 0; i < 2; i++) {
+        rec = record(102 * i, 0, 0, 1, 0);
+        rec.radius[0] = i ? 15 : .125f;
+        rec.radius[1] = 30;
+        rad_ambient_insert_all(w.job->ambient, &rec, 1);
+    }
+    ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 2);
+    ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
+    ck_assert_float_eq(rec.radius[0], .125f);
+    ck_assert_float_eq(rec.radius[1], .4f);
+    ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
+    ck_assert_float_eq(rec.radius[0], 15);
+    ck_assert_float_eq(rec.radius[1], 20);
 }
 
 /* Two lamps in a room are two bright places, though the scene's grid has them
