@@ -20,6 +20,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 static const struct {
     double x;
     int digits;
@@ -30,8 +32,6 @@ static const struct {
     { 12345, 3, "12300" }, { 0.05, 3, "0.05" }, { 1234567, 3, "1230000" },
     { 9.996, 3, "10" },    { 1e-9, 2, "0" },
 };
-
-FIXTURE(scratch_make, scratch_remove)
 
 LOOP_TEST(a_figure_has_no_exponent, N_ELEM(figures))
 {

@@ -14,6 +14,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 /* A Unix socket that accepts no connection; dialling it succeeds. */
 static int
 listen_mutely(struct target *to)
@@ -51,8 +53,6 @@ only_hellos(int fd)
     }
     return n;
 }
-
-FIXTURE(scratch_make, scratch_remove)
 
 /* Pings, which come every 5 s, do not lengthen the wait. */
 TEST(no_welcome_is_no_coordinator_in_time)

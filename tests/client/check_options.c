@@ -12,6 +12,8 @@
 #include <sysexits.h>
 #include <unistd.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 /* Cut a command line at its blanks (those of `line`, which is changed). */
 static int
 split(char *line, char *argv[], int room)
@@ -40,8 +42,6 @@ parse(struct submit_options *o, struct words *w, const char *text,
     ck_assert_int_eq(words_init(w, argc, argv, err), 0);
     return submit_parse(o, w, err);
 }
-
-FIXTURE(scratch_make, scratch_remove)
 
 TEST(options_of_both_kinds_mix)
 {

@@ -20,6 +20,8 @@
 #include <sysexits.h>
 #include <unistd.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 static struct target target;
 
 /* --- the player: a coordinator in a process of its own --- */
@@ -872,8 +874,6 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
     rad_bundle_release(&bundle);
     return rc;
 }
-
-FIXTURE(scratch_make, scratch_remove)
 
 LOOP_TEST(conversations_end_as_they_should, N_ELEM(scripts))
 {

@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+FIXTURE(NULL, pool_close)
+
 enum { SIDE = 96, WINDOW = 24, PER_ROW = SIDE / WINDOW, MOST = 16 };
 
 static const char scene_text[] =
@@ -138,8 +140,6 @@ static const struct {
     { "-x 96 -y 96 -ab 0 -ps 2", false, 5, SIDE },
     { "-x 96 -y 96 -ab 0 -ps 16 -pt .2", true, 16, SIDE },
 };
-
-FIXTURE(NULL, pool_close)
 
 LOOP_TEST(threads_give_the_pixels_of_one, N_ELEM(pools))
 {

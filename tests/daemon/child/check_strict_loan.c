@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+FIXTURE(set_up, tear_down)
+
 /* A block of line 4 of a picture of 64 columns, black. */
 static struct msg_loan
 some_loan(void)
@@ -21,8 +23,6 @@ some_loan(void)
                               .top = zeros,
                               .bottom = zeros };
 }
-
-FIXTURE(set_up, tear_down)
 
 /* Whoever made it is wrong, not the job; its columns go back. */
 TEST(a_loan_that_fits_no_line_is_not_taken)

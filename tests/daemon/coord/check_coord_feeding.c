@@ -5,6 +5,8 @@
 
 #include "desk/feeding.h"
 
+FIXTURE(set_up, tear_down)
+
 /* A first worker, and a second that it may dial. */
 static void
 two_are_ready(void)
@@ -18,8 +20,6 @@ two_are_ready(void)
     strcpy(job->workers[0].worker->address, "tcp 127.0.0.1:1");
     ready(SECOND, job_a);
 }
-
-FIXTURE(set_up, tear_down)
 
 /* What is made goes to a worker at once, and to others by way of that one; when
  * the pass is closed those that lack it get it. */

@@ -4,6 +4,8 @@
 
 #include "coord_fixture.h"
 
+FIXTURE(set_up, tear_down)
+
 /* --- every job can be cancelled, and who does hears of it --- */
 
 static void
@@ -100,8 +102,6 @@ is_over(int state)
 {
     return states[state] == be_done || states[state] == be_cancelled;
 }
-
-FIXTURE(set_up, tear_down)
 
 LOOP_TEST(cancel_is_answered_whatever_the_job_is_at, 2 * N_ELEM(states))
 {

@@ -6,6 +6,8 @@
 #include "registry/coord_keep.h"
 #include "registry/recover.h"
 
+FIXTURE(set_up, tear_down)
+
 static void
 whole_job(const uint8_t *job)
 {
@@ -14,8 +16,6 @@ whole_job(const uint8_t *job)
     for (uint32_t u = 0; u < 4; u++)
         result(WORKER, job, u, 1);
 }
-
-FIXTURE(set_up, tear_down)
 
 /* By number, by age, and by size, but not before its user can have it. */
 LOOP_TEST(jobs_that_are_over_are_kept_for_a_while, 3)

@@ -10,6 +10,8 @@
 
 #include <math.h>
 
+FIXTURE(set_up, tear_down)
+
 static void
 submit_goal(uint32_t error_ppm, uint32_t time_ms)
 {
@@ -73,8 +75,6 @@ static const struct {
     size_t cut;
 } unsound[] = { { NAN, 0 }, { INFINITY, 0 }, { -INFINITY, 0 },
                 { 1, 1 },   { 1, 8 },        { 1, SUMS_BYTES } };
-
-FIXTURE(set_up, tear_down)
 
 LOOP_TEST(sums_that_are_no_numbers_end_the_connection, N_ELEM(unsound))
 {

@@ -6,6 +6,8 @@
 #include "jobs/part.h"
 #include "desk/linking.h"
 
+FIXTURE(set_up, tear_down)
+
 enum {
     FIRST = 20 /* connection of the first worker that comes */
 };
@@ -83,8 +85,6 @@ static const struct {
     uint32_t n; /* workers */
     int last;   /* with how many of them the last is linked */
 } live[] = { { 2, 1 }, { 64, 63 }, { 65, 64 }, { 200, 199 }, { 270, 256 } };
-
-FIXTURE(set_up, tear_down)
 
 LOOP_TEST(records_go_to_all_at_once, N_ELEM(live))
 {

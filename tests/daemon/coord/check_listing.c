@@ -6,6 +6,8 @@
 
 #include "front/listing.h"
 
+FIXTURE(set_up, tear_down)
+
 enum { JOBS = 3000 };
 
 static void
@@ -73,8 +75,6 @@ many_jobs(void)
     for (int i = 1; i <= JOBS; i++)
         make_job(i, i % 2 ? ANA : BOB);
 }
-
-FIXTURE(set_up, tear_down)
 
 TEST(all_jobs_come_newest_first)
 {

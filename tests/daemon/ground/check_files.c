@@ -17,6 +17,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 static int no_lock; /* why the file system locks nothing; 0: it does */
 
 /* In place of the C library's. */
@@ -56,8 +58,6 @@ read_blob(const struct blobs *b, const char *hash, off_t at, void *buf,
     close(fd);
     return rc;
 }
-
-FIXTURE(scratch_make, scratch_remove)
 
 TEST(file_that_came_in_pieces_is_there)
 {

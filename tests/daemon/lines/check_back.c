@@ -5,6 +5,8 @@
 #include "lines_fixture.h"
 #include "tests/unit.h"
 
+FIXTURE(set_up, tear_down)
+
 static void
 cut(uint64_t conn)
 {
@@ -37,8 +39,6 @@ one_is_cut(struct msg_unit *a)
     clear();
     result(W2, &b, 0, b.height, true);
 }
-
-FIXTURE(set_up, tear_down)
 
 /* What happened meanwhile: the job was paused, or the worker drained. */
 LOOP_TEST(one_that_comes_back_gives_back_what_it_may_not_be_at, 2)

@@ -3,6 +3,8 @@
 
 #include "lines_fixture.h"
 
+FIXTURE(set_up, tear_down)
+
 /* ws1 is at a line, all else being done, and ws2, and ws3 if it is there, have
  * nothing. */
 static void
@@ -68,8 +70,6 @@ expect_own_again(const struct msg_unit *u)
 static const enum msg_partition with_loans[] = { MSG_PART_AUTO,
                                                  MSG_PART_SCANBAR,
                                                  MSG_PART_STATIC };
-
-FIXTURE(set_up, tear_down)
 
 LOOP_TEST(an_idle_worker_is_lent_columns, N_ELEM(with_loans))
 {

@@ -3,6 +3,8 @@
 
 #include "lines_fixture.h"
 
+FIXTURE(set_up, tear_down)
+
 static void
 line_costs(uint32_t frame, uint32_t line, uint32_t nlines)
 {
@@ -23,8 +25,6 @@ line_stats(json_t **root)
     free(text);
     return json_object_get(*root, "line_s");
 }
-
-FIXTURE(set_up, tear_down)
 
 /* What all who were at a line spent; of none that the picture does not have. */
 TEST(what_lines_cost_is_added_up)

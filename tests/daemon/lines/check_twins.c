@@ -3,6 +3,8 @@
 
 #include "lines_fixture.h"
 
+FIXTURE(set_up, tear_down)
+
 /* Two at one unit, all else being done: ws1 got it first, ws2 as well when it
  * was late. */
 static void
@@ -17,8 +19,6 @@ twins(struct msg_unit *a, struct msg_unit *b)
     ck_assert(b->flags & MSG_UNIT_TWIN);
     ck_assert_uint_eq(desk_find_job(f.c, id)->nout, 1);
 }
-
-FIXTURE(set_up, tear_down)
 
 TEST(the_first_of_twins_whose_rows_come_leads)
 {

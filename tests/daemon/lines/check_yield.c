@@ -4,6 +4,8 @@
 
 #include "lines_fixture.h"
 
+FIXTURE(set_up, tear_down)
+
 static void
 about_job(uint64_t conn, uint16_t type)
 {
@@ -29,8 +31,6 @@ begin(struct msg_unit *a, struct msg_unit *b)
     *b = *first_unit_of(W2);
     clear();
 }
-
-FIXTURE(set_up, tear_down)
 
 TEST(a_paused_jobs_units_go_back_and_come_again_with_their_facts)
 {

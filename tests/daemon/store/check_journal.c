@@ -15,6 +15,8 @@
 #include <sysexits.h>
 #include <unistd.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 /* What writes and syncs fail with; 0: they do not. */
 static _Atomic int write_fault, sync_fault;
 
@@ -45,8 +47,6 @@ pwrite64(int fd, const void *bytes, size_t n, off_t at)
 {
     return pwrite(fd, bytes, n, at);
 }
-
-FIXTURE(scratch_make, scratch_remove)
 
 /* What a loss of power leaves of one that was being made is in nobody's way,
  * and one that has its name is whole, whatever becomes of its log. */

@@ -18,6 +18,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 static void
 put(struct rows *r, int x, int y, int w, int h)
 {
@@ -65,8 +67,6 @@ make_rows(struct rows *r, enum rows_kind kind)
     snprintf(path, sizeof path, "%s/f.rows", dir);
     create(r, &opened, path, (struct rows_form){ W, H, kind, true });
 }
-
-FIXTURE(scratch_make, scratch_remove)
 
 RANGE_TEST(windows_make_a_whole, 3, 5)
 {

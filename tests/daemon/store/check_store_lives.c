@@ -18,6 +18,8 @@
 #include <sysexits.h>
 #include <unistd.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 static int
 note_job(void *arg, const struct saved_job *s, struct rad_error *err)
 {
@@ -61,8 +63,6 @@ make_kept(uv_loop_t *loop, struct store **s, struct heard *h)
     ck_assert_int_eq(h->rows, 1);
     ck_assert_int_eq(h->status, 0);
 }
-
-FIXTURE(scratch_make, scratch_remove)
 
 TEST(a_job_goes_on_in_another_life)
 {

@@ -9,6 +9,8 @@
 
 #include <stdio.h>
 
+FIXTURE(scratch_make, scratch_remove)
+
 static uint8_t
 line_byte(int i)
 {
@@ -108,8 +110,6 @@ static const struct {
     { false, 0, 3 * W * 12 + 3, 2 },
     { false, 0, 0, 0 },
 };
-
-FIXTURE(scratch_make, scratch_remove)
 
 /* Also in lives to come. */
 LOOP_TEST(rows_that_a_disk_has_spoilt_are_none, N_ELEM(spoilt))

@@ -5,6 +5,8 @@
 
 #include <sysexits.h>
 
+FIXTURE(set_up, tear_down)
+
 /* A piece of base line 1 of the job's picture, 8 columns wide. */
 static struct msg
 piece(uint32_t x, uint32_t n, uint32_t first, uint32_t ndensity)
@@ -38,8 +40,6 @@ link_peer(void)
     worker_opened(f.w, f.now_ms, f.peer);
     carry_out();
 }
-
-FIXTURE(set_up, tear_down)
 
 TEST(a_base_line_goes_to_whom_waits_and_to_the_coordinator)
 {

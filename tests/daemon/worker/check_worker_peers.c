@@ -10,6 +10,8 @@
 
 #include <sysexits.h>
 
+FIXTURE(set_up, tear_down)
+
 static void
 child_records(void)
 {
@@ -17,8 +19,6 @@ child_records(void)
 
     hear(f.child, &m);
 }
-
-FIXTURE(set_up, tear_down)
 
 TEST(records_go_to_peers_and_from_peers_to_the_child)
 {

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+FIXTURE(NULL, world_tear_down)
+
 #define SKY    "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 1 360\n"
 #define SQUARE " polygon s 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
 
@@ -41,8 +43,6 @@ static const struct {
     { "-lw .1 -lr -3", RAD_RAY_REFLECTED, 1, .2f, 2, true },
     { "-lw .1 -lr 0", RAD_RAY_REFLECTED, 1, .2f, 500, true },
 };
-
-FIXTURE(NULL, world_tear_down)
 
 LOOP_TEST(limits_end_rays, N_ELEM(limit))
 {

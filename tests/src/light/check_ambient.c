@@ -12,6 +12,8 @@
 #include <stdio.h>
 #include <string.h>
 
+FIXTURE(NULL, world_tear_down)
+
 /* --- irradiance by sampling --- */
 
 static struct rad_rgb
@@ -37,8 +39,6 @@ irradiance_up(struct world *in, double x, double y, double z)
     "white polygon y1 0 0 12 -1 1 -1 1 1 -1 1 1 1 -1 1 1\n"                    \
     "white polygon x0 0 0 12 -1 -1 -1 -1 1 -1 -1 1 1 -1 -1 1\n"                \
     "white polygon x1 0 0 12 1 -1 -1 1 -1 1 1 1 1 1 1 -1\n"
-
-FIXTURE(NULL, world_tear_down)
 
 /* An even sky gives pi L however it is sampled; with nothing in the way, a
  * plane under it is one record. */

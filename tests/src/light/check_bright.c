@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+FIXTURE(NULL, world_tear_down)
+
 /* A small disk of radiance 100 two units above the plane, off the zenith. */
 #define HEIGHT 2.0
 #define ASIDE  1.5
@@ -118,8 +120,6 @@ set_cells(struct rad_contrast *cell, int changed, double times)
     }
     rad_contrast_share(cell, SIDE);
 }
-
-FIXTURE(NULL, world_tear_down)
 
 /* What a cell drew changes others' shares, and not its own. */
 TEST(a_cell_has_no_say_in_its_share)

@@ -10,6 +10,8 @@
 
 #include <stdio.h>
 
+FIXTURE(NULL, world_tear_down)
+
 #define LAMP "void light lit 0 0 3 100 100 100\n"
 /* R = .01 at height 2 */
 #define BALL      LAMP "lit sphere ball 0 0 4 0 0 2 .01\n"
@@ -60,8 +62,6 @@ from_ball(double x)
 }
 
 static const char *const pretest[] = { "-dp 0", "-dp 512" };
-
-FIXTURE(NULL, world_tear_down)
 
 LOOP_TEST(wall_doubles_a_lamp_in_its_colour, N_ELEM(pretest))
 {

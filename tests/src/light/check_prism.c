@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+FIXTURE(NULL, world_tear_down)
+
 #define LAMP "void light lit 0 0 3 100 100 100\n"
 /* R = .01 at height 2 */
 #define BALL      LAMP "lit sphere ball 0 0 4 0 0 2 .01\n"
@@ -73,8 +75,6 @@ with(int i, const char *more)
 #define DIRECT "-av 0 0 0 -dj 0 -dt 0 -ds 0 -dr 1"
 
 /* --- what is seen --------------------------------------------------------- */
-
-FIXTURE(NULL, world_tear_down)
 
 /* A sky whose radiance is 2 plus its direction's x. */
 LOOP_TEST(rays_go_on_as_the_functions_say, 11)

@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
+FIXTURE(NULL, world_tear_down)
+
 static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
 
 #define LAMP    "void light bright 0 0 3 1 1 1\n"
@@ -37,8 +39,6 @@ irradiance_of(const char *text, const char *options, double x, double y,
     world_open(&w, text, options);
     return irradiance_at(&w, x, y, z);
 }
-
-FIXTURE(NULL, world_tear_down)
 
 TEST(lamp_lights_and_counts_its_rays)
 {

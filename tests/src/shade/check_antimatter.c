@@ -6,6 +6,8 @@
 
 #include <stdio.h>
 
+FIXTURE(NULL, world_tear_down)
+
 /* A wall at z = 0 that faces up, and a bright ground behind it. */
 #define WALL                                                                   \
     "void glow bright 0 0 4 7 7 7 0\nbright ring ground 0 0 8 0 0 -5 0 0 1 0 " \
@@ -22,8 +24,6 @@ depth(double x)
     rad_ray_trace(&w.ctx, &r);
     return rad_ray_distance(&r);
 }
-
-FIXTURE(NULL, world_tear_down)
 
 TEST(hole_in_a_wall_lets_one_see_through)
 {

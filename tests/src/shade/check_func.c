@@ -12,6 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+FIXTURE(NULL, world_tear_down)
+
 #define SQUARE " polygon s 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
 #define SHINE                                                                  \
     " glow m 0 0 4 1 1 1 -1\n"                                                 \
@@ -53,8 +55,6 @@ static const struct {
     { "2 1/(Px-2) .", 1 },
     { "2 arg(AC+1) .", 1 },
 };
-
-FIXTURE(NULL, world_tear_down)
 
 LOOP_TEST(brightness_is_the_functions_value, N_ELEM(bright))
 {

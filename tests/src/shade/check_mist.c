@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+FIXTURE(NULL, world_tear_down)
+
 /* A wall at z = 0 of radiance 7 that is seen as it is. */
 #define WALL                                                                   \
     "void glow bright 0 0 4 7 7 7 0\nbright ring wall 0 0 8 0 0 0 0 0 1 0 "    \
@@ -43,8 +45,6 @@ mean_of(const double o[3], const double d[3], int n)
     }
     return sum / n;
 }
-
-FIXTURE(NULL, world_tear_down)
 
 TEST(layer_dims_by_its_optical_depth)
 {

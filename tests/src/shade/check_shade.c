@@ -12,6 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+FIXTURE(NULL, world_tear_down)
+
 #define ABOVE "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 1 180\n"
 #define BELOW                                                                  \
     "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 -1 180\n"
@@ -36,8 +38,6 @@ fresnel(double n, double deg, double *rs, double *rp)
 }
 
 static const double angles[] = { 0, 10, 30, 45, 56.659, 70, 80, 89 };
-
-FIXTURE(NULL, world_tear_down)
 
 /* Radiance's manual: T = (1-r)^2 t / (1-r^2 t^2), mean of polarizations, with
  * t = tn^(1/cos of the angle inside). */
