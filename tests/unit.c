@@ -3,6 +3,7 @@
 
 #include "tests/unit.h"
 
+#include <errno.h>
 #include <stdbool.h>
 
 static Suite *suite;

@@ -15,7 +15,6 @@
 #include "base/list.h"
 
 #include <check.h>
-#include <errno.h>
 #include <stdlib.h>
 
 /* Run the tests that were entered, for a main() of a program's own.  Returns
