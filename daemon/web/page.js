@@ -114,7 +114,9 @@ class Viewer
         this.busy = true;
         this.again = false;
         try {
-            const answer = await fetch(this.section.dataset.raw, {
+            const address = new URL(this.section.dataset.raw, document.baseURI);
+            address.username = address.password = ""; /* fetch refuses these */
+            const answer = await fetch(address, {
                 signal : AbortSignal.timeout(60000),
             });
             if (answer.ok)

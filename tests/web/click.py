@@ -172,6 +172,9 @@ def main():
         draw_otherwise(b)
         assert b.run("document.querySelector('h1').textContent") == \
             radctl("job", job)["name"]
+        # a bookmark with the token in it
+        b.open("%s/jobs/%s" % (url.replace("://", "://me:word@"), job))
+        b.until(SHOWN)
         without_script(b)
         # a job that comes stands there without a click, and the focus stays
         b.open(url + "/")
