@@ -229,6 +229,27 @@ TEST(seed_and_frame_move_the_jitter)
         free(seen[i]);
 }
 
+/* The mean of many jittered pixels is that of their middles, both ways. */
+TEST(jitter_is_even_about_the_middle)
+{
+    static const char wall[] =
+        "void colorfunc f 4 99+Px 99+Pz 1 . 0 0\nf glow g 0 0 4 1 1 1 0\n"
+        "g polygon p 0 0 12 -99 8 -99 99 8 -99 99 8 99 -99 8 99\n";
+    struct rad_params p = params(64, 1);
+    struct rad_pixel *seen;
+    double sum[2] = { 0 };
+
+    p.pixjitter = 1;
+    show(wall, p, "-vtl -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 64 -vv 64", false);
+    seen = picture_render(&pic);
+    for (int i = 0; i < 64 * 64; i++) {
+        sum[0] += ((double)seen[i].L.r - 99) / (64 * 64);
+        sum[1] += ((double)seen[i].L.g - 99) / (64 * 64);
+    }
+    ck_assert_double_eq_tol(sum[0], 0, .02); /* of a pixel */
+    ck_assert_double_eq_tol(sum[1], 0, .02);
+}
+
 /* A near wall on the left, before a far one. */
 static const struct {
     const char *clip;
