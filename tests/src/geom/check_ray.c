@@ -149,6 +149,24 @@ LOOP_TEST(distance_is_of_what_is_seen, N_ELEM(depth))
     ck_assert_double_eq(rad_ray_distance(&r), 1e10);
 }
 
+/* Of a lens the distance is that of its surface, unless it bends no ray. */
+LOOP_TEST(distance_of_a_lens_is_its_own, 3)
+{
+    static const double index[] = { 1.5, 1, .8 }, dist[] = { 2, 6, 2 };
+    char text[512];
+    struct rad_ray r;
+
+    snprintf(text, sizeof text,
+             "void plastic g 0 0 5 .5 .5 .5 0 0 g polygon q 0 0 12 -9 -9 "
+             "-3 9 -9 -3 9 9 -3 -9 9 -3 void dielectric m 0 0 5 1 1 1 %g 0 "
+             "m sphere s 0 0 4 0 0 0 1\n",
+             index[_i]);
+    world_open(&w, text, "-av 1 1 1");
+    world_ray(&w, &r, 0, 0, 3, 0, 0, -1);
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq_tol(rad_ray_distance(&r), dist[_i], 1e-9);
+}
+
 /* n square sheets of material m, one above the other. */
 static char *
 sheets(const char *material, int n)
