@@ -63,6 +63,13 @@ TEST(channels_weigh_by_luminance)
     t.L[0] = rad_rgb(105, 98, 100.25f);
     ck_assert_int_eq(rad_metric_compare(&t, &r, &m, NULL), 0);
     ck_assert_double_eq_tol(m.p50, .00134417875 / 100.1, 1e-13);
+    ck_assert_double_eq_tol(m.maxabs, .05, 1e-7);
+    for (int c = 0; c < 3; c++) { /* a channel that is less */
+        t.L[0] =
+            rad_rgb(c == 0 ? 93 : 104, c == 1 ? 93 : 104, c == 2 ? 93 : 104);
+        ck_assert_int_eq(rad_metric_compare(&t, &r, &m, NULL), 0);
+        ck_assert_double_eq_tol(m.maxabs, .07, 1e-7);
+    }
     rad_picture_release(&t);
     rad_picture_release(&r);
 }
