@@ -160,7 +160,10 @@ paths_find(const struct paths *p, const char *name, struct rad_error *err)
                                      : try_entries(p, name, path);
 
     if (!is_there) {
-        rad_fail(err, RAD_ENOINPUT, "cannot find file '%s'", name);
+        rad_fail(err, RAD_ENOINPUT, "cannot find file '%s'%s", name,
+                 !strchr("/~.", name[0]) && !getenv("RAYPATH")
+                     ? ": RAYPATH is not set"
+                     : "");
         return NULL;
     }
     found = strdup(path);

@@ -305,6 +305,9 @@ TEST(a_missing_file_names_its_object)
     snprintf(text, sizeof text, TEXT, "words here");
     text[strstr(text, "2 f.fnt") - text] = '3';
     ck_assert_str_eq(message_of(text), "a.rad:1: brighttext 't': cannot find "
+                                       "file 'f.fnt': RAYPATH is not set");
+    setenv("RAYPATH", ".", 1);
+    ck_assert_str_eq(message_of(text), "a.rad:1: brighttext 't': cannot find "
                                        "file 'f.fnt'");
     put_file("f.fnt", FONT);
     ck_assert_str_eq(message_of(text), "");

@@ -197,7 +197,7 @@ grey sphere ball 0 0 4 0 0 0 1
 END
 for told in "library.rad:1: mixfunc 'mixed': undefined modifier 'nowhere'; no" \
     "library.rad:2: plastic 'two': expected 5 real arguments, got 2; no" \
-    "library.rad:3: brightfunc 'lost': cannot find file 'none.cal'; no" \
+    "library.rad:3: brightfunc 'lost': cannot find file 'none.cal': RAYPATH is not set; no" \
     "library.rad:5: cone 'odd': radii of opposite sign: it is left out"; do
     expect 0 "radscene: warning: $told" $radscene check library.rad
 done
