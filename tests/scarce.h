@@ -1,7 +1,7 @@
 /* scarce.h - an allocation of a test program fails
  *
- * For one file of a program.  With a sanitizer, which has its own functions, none
- * fails. */
+ * For one file of a program.  With a sanitizer, which has its own functions,
+ * none fails. */
 #ifndef RADD_TESTS_SCARCE_H
 #define RADD_TESTS_SCARCE_H
 
