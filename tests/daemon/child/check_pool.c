@@ -13,6 +13,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <sysexits.h>
+#include <unistd.h>
 
 FIXTURE(NULL, pool_close)
 
@@ -578,6 +581,23 @@ TEST(shared_cache_fills_while_threads_read_it)
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++)
             ck_assert(rad_rgb_sound(got.whole[y][x].L));
+}
+
+/* What a ray cannot hold it leaves out, and the pixel would be wrong. */
+TEST(a_thread_without_scratch_memory_ends_the_process)
+{
+    int status;
+    pid_t pid;
+
+    open_pool("-x 96 -y 96 -ab 0 -ps 1", false, 1);
+    pid = fork();
+    if (pid == 0) {
+        rad_arena_alloc(&f.pool->renderers[0].ctx.scratch, SIZE_MAX);
+        _exit(EX_OK);
+    }
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert_msg(WIFEXITED(status) && WEXITSTATUS(status) == EX_OSERR,
+                  "status %#x", (unsigned)status);
 }
 
 TEST(revoked_units_are_not_done)
