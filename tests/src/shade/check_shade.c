@@ -198,6 +198,7 @@ static const struct {
     { "metal m 0 0 5 .5 .9 0 .8 0", 60, .4 + .6 * .050782,
       .72 + .28 * .050782 },
     { "trans m 0 0 7 0 0 0 .05 0 .5 .5", 0, .05, .05 },
+    { "glass m 0 0 4 1 1 1 .5", 45, 1, 1 }, /* totally, beyond 30 degrees */
 };
 
 LOOP_TEST(mirror_brightens_toward_grazing, N_ELEM(mirror))
