@@ -127,6 +127,12 @@ static const struct {
     { "metal n 0 0 5 .9 .9 .9 1 0 void plastic k 0 0 5 0 0 0 0 0 "
       "void mixfunc m 4 n k 1 . 0 0",
       2 },
+    { "glass n 0 0 3 .9 .9 .9 void plastic k 0 0 5 .5 .5 .5 0 0 "
+      "void mixfunc m 4 k n .9 . 0 0", /* the brighter part's */
+      2 },
+    { "glass n 0 0 3 .9 .9 .9 void plastic k 0 0 5 .5 .5 .5 0 0 "
+      "void mixfunc m 4 k n .1 . 0 0",
+      5 },
     { "dielectric m 0 0 5 1 1 1 1.5 0", 5 },
     { "illum m 0 0 3 1 1 1", 5 },
 };
