@@ -140,12 +140,12 @@ static const struct {
 
 LOOP_TEST(even_roughness_is_that_of_the_simple_type, N_ELEM(same))
 {
-    static const char *const options[] = { DIRECT, "-av .3 .2 .1 -st 1",
-                                           PLAIN };
+    static const char *const options[] = { DIRECT, "-av .3 .2 .1 -st 1", PLAIN,
+                                           DIRECT " -dj .7" };
     double sun[3];
 
     direction(sun, 40, 30);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < N_ELEM(options); k++) {
         struct rad_rgb L, expect;
         char scene[1024];
 
@@ -154,6 +154,9 @@ LOOP_TEST(even_roughness_is_that_of_the_simple_type, N_ELEM(same))
                      plain ? same[_i].plain : same[_i].brushed);
             if (k == 2)
                 strcat(scene, ABOVE);
+            if (k == 3) /* so wide that -dj matters for gloss */
+                strcat(scene, "void light moon 0 0 3 1 1 1 "
+                              "moon source m 0 0 4 .7 .1 1 20\n");
             add_sun(scene, sizeof scene, sun, 1);
             *(plain ? &expect : &L) = see(scene, options[k], 35);
         }
