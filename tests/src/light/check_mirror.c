@@ -330,6 +330,49 @@ LOOP_TEST(image_lights_as_the_lamp_itself_would, N_ELEM(pair))
     near(seen, real);
 }
 
+/* A small mirror shows of a large lamp, which comes near it, what a window in
+ * its place shows of the lamp's image. */
+TEST(small_mirror_is_a_window)
+{
+    static const char lamp[] =
+        LAMP "lit polygon l 0 0 12 .48 .6 2.36 .48 -.6 2.36 "
+             "-.48 -.6 1.64 -.48 .6 1.64\n";
+    static const char *const beside[] = {
+        "", /* the lamp alone */
+        "void mirror m 0 0 3 1 1 1\n"
+        "m polygon p 0 0 12 1 -.3 .9 1 -.3 1.5 1 .3 1.5 1 .3 .9\n",
+        "lit polygon image 0 0 12 2.48 .6 1.64 2.48 -.6 1.64 1.52 -.6 2.36 "
+        "1.52 .6 2.36\n"
+        "void plastic black 0 0 5 0 0 0 0 0\n"
+        "black polygon a 0 0 12 1 -99 -99 1 -99 99 1 -.3 99 1 -.3 -99\n"
+        "black polygon b 0 0 12 1 99 -99 1 99 99 1 .3 99 1 .3 -99\n"
+        "black polygon c 0 0 12 1 -.3 -99 1 -.3 .9 1 .3 .9 1 .3 -99\n"
+        "black polygon d 0 0 12 1 -.3 99 1 -.3 1.5 1 .3 1.5 1 .3 99\n",
+    };
+    double E[3][20][11];
+    int shown = 0;
+
+    for (int k = 0; k < 3; k++) {
+        char scene[1024];
+
+        snprintf(scene, sizeof scene, "%s%s", lamp, beside[k]);
+        world_open(&w, scene, "-ds .1 -dj 0 -dt 0");
+        for (int i = 0; i < 20; i++)
+            for (int j = 0; j < 11; j++) {
+                double p[3] = { .883 - .4 * i, .4 * j - 1.987, 0 };
+
+                E[k][i][j] = irradiance(p, up).r;
+            }
+    }
+    for (int i = 0; i < 20; i++)
+        for (int j = 0; j < 11; j++) {
+            ck_assert_double_eq_tol(E[1][i][j], E[2][i][j],
+                                    1e-5 * E[2][i][j] + 1e-9);
+            shown += E[1][i][j] > E[0][i][j] + 1e-3;
+        }
+    ck_assert(shown > 40 && shown < 180);
+}
+
 /* A cone of 60 degrees toward the wall, which meets the floor from x = -1.46
  * beyond it on: the origin is in the dark, -2.5 is not, also where a ball is in
  * the cone's middle. */
