@@ -802,8 +802,7 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     if (r->path & RAD_RAY_AMBIENT && view.jitter > 0)
         view.sizerat *= COARSER;
     weigh_sources(&d, &view, skip);
-    if (s->nvirtuals > 0)
-        weigh_images(&d, &view, skip);
+    weigh_images(&d, &view, skip);
     o = NULL;
     drawn = d.n > 1 && par->shadthresh > 0 && r->path & RAD_RAY_AMBIENT;
     if (d.n > 0 && par->shadthresh > 0 && !drawn)
