@@ -45,7 +45,7 @@
  * So where such rays meet gloss, its square roughness for lamps is larger by
  * this over the number of cells: a lobe of square roughness a fills about 4 a n
  * of n cells, here 4 at least.  The light is the same, spread over places that
- * a record cannot tell apart.
+ * a record cannot tell apart; see rad_gloss_widening() on grazing rays.
  * Source: Kaplanyan & Dachsbacher 2013, Path space regularization. */
 #define CELL_ROUGHNESS 1.f
 

@@ -60,11 +60,27 @@ schlick(double cosine)
 }
 
 /* The power of a lobe whose square roughness, about 2 / power, is larger by
- * `blur`. */
+ * `wider`. */
 static double
-blurred(double power, double blur)
+widened(double power, double wider)
 {
-    return power / (1 + .5 * blur * power);
+    return power / (1 + .5 * wider * power);
+}
+
+/* As rad_gloss_reflect_gain().  Dividing by the larger cosine costs more than
+ * Ward's lobe does: about the roughness in the plane in which the ray comes
+ * times the tangent over sqrt(pi). */
+static double
+reflect_gain(const struct ashik_hit *hit, double cos2, double wider)
+{
+    double u = rad_dot(hit->r->dir, hit->u), v = rad_dot(hit->r->dir, hit->v);
+    double gain = rad_gloss_reflect_gain(hit->r, cos2), a2, more;
+
+    if (!(wider > 0 && u * u + v * v > 0))
+        return gain;
+    a2 = 2 * (u * u + v * v) / (hit->nu * u * u + hit->nv * v * v);
+    more = wider / (sqrt(a2) + sqrt(a2 + wider));
+    return gain + more * sqrt((1 - cos2) / (cos2 * M_PI));
 }
 
 /* The lobe for a light at ldir.  The exponent of cos(theta_h) depends on the
@@ -72,9 +88,7 @@ blurred(double power, double blur)
 static double
 lobe(const struct ashik_hit *hit, const double ldir[3], double cos_l)
 {
-    double nu = blurred(hit->nu, (double)hit->r->blur);
-    double nv = blurred(hit->nv, (double)hit->r->blur);
-    double h[3], hu, hv, hn, lean, power;
+    double h[3], hu, hv, hn, lean, power, cos2, wider, nu, nv;
 
     rad_sub(h, ldir, hit->r->dir);
     if (rad_normalize(h) == 0)
@@ -85,8 +99,14 @@ lobe(const struct ashik_hit *hit, const double ldir[3], double cos_l)
     if (!(hn > 0))
         return 0;
     lean = hu * hu + hv * hv;
+    cos2 = rad_dot(ldir, h);
+    cos2 = rad_least(cos2 * cos2, 1);
+    wider = rad_gloss_widening(hit->r, cos2);
+    nu = widened(hit->nu, wider);
+    nv = widened(hit->nv, wider);
     power = lean > 0 ? (nu * hu * hu + nv * hv * hv) / lean : 0;
-    return sqrt((nu + 1) * (nv + 1)) * rad_pow(hn, power) /
+    return reflect_gain(hit, cos2, wider) * sqrt((nu + 1) * (nv + 1)) *
+           rad_pow(hn, power) /
            (8 * M_PI * rad_dot(ldir, h) * rad_most(cos_l, hit->cos_n));
 }
 

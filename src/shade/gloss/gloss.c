@@ -15,16 +15,19 @@
 double
 rad_gloss_brdf(const struct rad_gloss *g, const double ldir[3], double spread)
 {
-    double wider = spread + (double)g->r->blur;
-    double au2 = g->au * g->au + wider, av2 = g->av * g->av + wider;
-    double h[3], hu, hv, hn2;
+    double h[3], hu, hv, hn2, cos2, wider, au2, av2;
 
     rad_sub(h, ldir, g->r->dir);
+    cos2 = rad_dot(h, h) / 4;
+    wider = spread + rad_gloss_widening(g->r, cos2);
+    au2 = g->au * g->au + wider;
+    av2 = g->av * g->av + wider;
     hu = rad_dot(h, g->u);
     hv = rad_dot(h, g->v);
     hn2 = rad_dot(h, g->norm);
     hn2 *= hn2;
-    return rad_exp(-(hu * hu / au2 + hv * hv / av2) / hn2) * rad_dot(h, h) /
+    return rad_gloss_reflect_gain(g->r, cos2) *
+           rad_exp(-(hu * hu / au2 + hv * hv / av2) / hn2) * 4 * cos2 /
            (M_PI * hn2 * hn2 * sqrt(au2 * av2));
 }
 
@@ -35,7 +38,8 @@ double
 rad_gloss_btdf(const struct rad_gloss *g, const double ahead[3], double cos_n,
                const double ldir[3], double omega)
 {
-    double wider = omega / M_PI + (double)g->r->blur;
+    double cos_l = rad_dot(g->norm, ldir), cos2 = -cos_n * cos_l;
+    double wider = omega / M_PI + rad_gloss_widening(g->r, cos2);
     double au2 = g->au * g->au + wider, av2 = g->av * g->av + wider;
     double d[3], du, dv, along, e = 0;
 
@@ -45,8 +49,8 @@ rad_gloss_btdf(const struct rad_gloss *g, const double ahead[3], double cos_n,
     along = du * du + dv * dv;
     if (along > 0)
         e = rad_dot(d, d) * (du * du / au2 + dv * dv / av2) / along;
-    return rad_exp(-e) / M_PI *
-           sqrt(-rad_dot(g->norm, ldir) / (cos_n * au2 * av2));
+    return rad_gloss_transmit_gain(g->r, cos2) * rad_exp(-e) / M_PI *
+           sqrt(-cos_l / (cos_n * au2 * av2));
 }
 
 /* --- samples -------------------------------------------------------------- */

@@ -33,6 +33,32 @@ struct rad_gloss_parts {
                                         * mirror, or strong enough (-st) */
 };
 
+/* The blur of a ray (trace/ray.h) adds to the square roughness in which the ray
+ * shows lamps, but less near grazing, where half of a wide lobe would lie below
+ * the surface: only the first of these functions.  What light widening costs or
+ * adds at each angle, the gains take back: lines through what is lost of lobes
+ * narrower than .2, by numerical integration.  Light that goes the other way is
+ * treated alike.
+ *   cos2  the squared cosine between the ray and the half vector; of what is
+ *         transmitted the product of the cosines to eye and light */
+static inline double
+rad_gloss_widening(const struct rad_ray *r, double cos2)
+{
+    return (double)r->blur * cos2;
+}
+
+static inline double
+rad_gloss_reflect_gain(const struct rad_ray *r, double cos2)
+{
+    return 1 + (double)r->blur * (2.6 * cos2 - .75);
+}
+
+static inline double
+rad_gloss_transmit_gain(const struct rad_ray *r, double cos2)
+{
+    return 1 + (double)r->blur * (.83 * cos2 - .1);
+}
+
 /* The BRDF toward the unit direction ldir [1/sr].  spread is added to the
  * square roughness, for a light that is no point. */
 double rad_gloss_brdf(const struct rad_gloss *g, const double ldir[3],

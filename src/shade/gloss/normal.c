@@ -96,17 +96,19 @@ add_light(struct rad_ray *r, struct rad_rgb L)
 static double
 reflect_lobe(const struct normal_hit *hit, const double ldir[3], double omega)
 {
-    double h[3], hn2, hh, alpha2 = hit->m->alpha2 + (double)hit->r->blur;
+    double h[3], hn2, hh, alpha2 = hit->m->alpha2;
 
-    if (hit->flat)
-        alpha2 += (1 - hit->ctx->job->params.srcjitter) * omega / (4 * M_PI);
     rad_sub(h, ldir, hit->r->dir);
     hn2 = rad_dot(h, hit->norm);
     hn2 *= hn2;
     hh = rad_dot(h, h);
+    alpha2 += rad_gloss_widening(hit->r, hh / 4);
+    if (hit->flat)
+        alpha2 += (1 - hit->ctx->job->params.srcjitter) * omega / (4 * M_PI);
     if (hh - hn2 > LOBE_END * hn2 * alpha2 && alpha2 < 1e6)
         return 0;
-    return rad_exp(-(hh - hn2) / hn2 / alpha2) * hh /
+    return rad_gloss_reflect_gain(hit->r, hh / 4) *
+           rad_exp(-(hh - hn2) / hn2 / alpha2) * hh /
            (M_PI * hn2 * hn2 * alpha2);
 }
 
@@ -117,13 +119,15 @@ static double
 transmit_lobe(const struct normal_hit *hit, const double ldir[3], double omega,
               double cos_l)
 {
-    double alpha2 = hit->m->alpha2 + (double)hit->r->blur + omega / M_PI;
+    double cos2 = -cos_l * hit->cos_n;
+    double alpha2 =
+        hit->m->alpha2 + rad_gloss_widening(hit->r, cos2) + omega / M_PI;
     double two_sin2 = 2 - 2 * rad_dot(hit->ahead, ldir);
 
     if (two_sin2 > LOBE_END * alpha2)
         return 0;
-    return rad_exp(-two_sin2 / alpha2) / (M_PI * alpha2) *
-           sqrt(-cos_l / hit->cos_n);
+    return rad_gloss_transmit_gain(hit->r, cos2) * rad_exp(-two_sin2 / alpha2) /
+           (M_PI * alpha2) * sqrt(-cos_l / hit->cos_n);
 }
 
 /* rad_brdf_fn */

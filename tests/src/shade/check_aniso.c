@@ -193,6 +193,50 @@ LOOP_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf, N_ELEM(gloss))
     ck_assert_double_eq_tol(direct, gloss[_i].diffuse + sampled, gloss[_i].tol);
 }
 
+static const struct {
+    const char *material;
+    double deg;
+} blurred[] = {
+    { "metal m 0 0 5 1 1 1 1 .1", 0 },
+    { "metal m 0 0 5 1 1 1 1 .1", 60 },
+    { "metal m 0 0 5 1 1 1 1 .1", 80 },
+    { "metal2 m 4 1 0 0 . 0 6 1 1 1 1 .2 .1", 0 },
+    { "metal2 m 4 1 0 0 . 0 6 1 1 1 1 .1 .2", 75 },
+    { "trans m 0 0 7 1 1 1 0 .1 1 1", 75 },
+    { "trans2 m 4 1 0 0 . 0 8 1 1 1 0 .1 .1 1 1", 75 },
+    { "WGMDfunc m 13 void 1 .1 .1 void 0 0 0 . 0 0 1 . 0 9 0 0 0 0 0 0 0 0 0",
+      60 },
+    { "ashik2 m 4 1 0 0 . 0 8 0 0 0 1 1 1 200 200", 0 },
+    { "ashik2 m 4 1 0 0 . 0 8 0 0 0 1 1 1 200 50", 75 },
+};
+
+/* A ray's blur widens lobes, and the light of all suns stays what it is, also
+ * near grazing, where wide lobes would lie half below the surface. */
+LOOP_TEST(blurred_lobes_keep_their_light, N_ELEM(blurred))
+{
+    static char text[800000];
+    struct world w = { 0 };
+    double sum[2];
+
+    snprintf(text, sizeof text, "void %s\n" SQUARE, blurred[_i].material);
+    add_suns(text, sizeof text, 1);
+    add_suns(text, sizeof text, -1);
+    world_open(&w, text, DIRECT);
+    for (int i = 0; i < 2; i++) {
+        double a = RADIANS(blurred[_i].deg);
+        struct rad_ray r;
+
+        world_ray(&w, &r, -2 * sin(a), 0, 2 * cos(a), sin(a), 0, -cos(a));
+        r.blur = i ? 1 / 64.f : 0;
+        rad_ray_trace(&w.ctx, &r);
+        sum[i] = (double)r.L.g;
+    }
+    world_close(&w);
+    ck_assert_double_gt(sum[0], .5);
+    ck_assert_double_ne(sum[1], sum[0]);
+    ck_assert_double_eq_tol(sum[1], sum[0], .02 * sum[0]);
+}
+
 /* Mean of (2 x / (1 + x^2 + y^2))^2, how far a mirror of slope x, y throws what
  * falls on it from the zenith, squared; slopes are a Gaussian's, of variance
  * ax^2 / 2 and ay^2 / 2. */
