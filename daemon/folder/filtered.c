@@ -146,7 +146,8 @@ filtered_picture(struct rows *r, const struct rad_filter_shape *s,
                  const struct rad_hdr_info *info, const struct rows_output *out,
                  struct rad_error *err)
 {
-    bool pick = out->preview && (double)s->width * s->height > FILTERED_PREVIEW;
+    double times = out->edges ? 2 : 1; /* that samples are filtered */
+    bool pick = out->preview && times * s->width * s->height > FILTERED_PREVIEW;
     struct disk_file w;
     struct rad_sink sink = { disk_file_write, &w };
     struct workplace p;
@@ -159,7 +160,7 @@ filtered_picture(struct rows *r, const struct rad_filter_shape *s,
         if (rc == 0)
             rc = pick ? pick_rows(r, s, &p, info, &sink, err)
                       : filter_rows(r, &p, info->width, &sink, err);
-        if (rc == 0 && out->edges)
+        if (rc == 0 && out->edges && !pick)
             rc = filter_edges(r, s, &p, &sink, err);
         rc = rows_close_picture(r, &w, rc, out->durable, err);
     }

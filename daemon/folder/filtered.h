@@ -20,8 +20,9 @@ int filtered_shape(struct rad_filter_shape *s, int width, int height,
 
 /* Write the picture, of info's size, as rows_picture() does, and with
  * out->edges what meets within its pixels (image/edge.h).  A preview of more
- * than FILTERED_PREVIEW samples would keep the store's thread for more than
- * half a second; there each pixel is the sample nearest to its middle. */
+ * than FILTERED_PREVIEW samples, or half as many with edges, would keep the
+ * store's thread for more than half a second; there each pixel is the sample
+ * nearest to its middle, and has no edges. */
 #define FILTERED_PREVIEW (1 << 25)
 int filtered_picture(struct rows *r, const struct rad_filter_shape *s,
                      const struct rad_hdr_info *info,

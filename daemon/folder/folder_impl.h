@@ -30,9 +30,8 @@ struct folder_job {
     char *params, *origin;
     bool depth, points;
     int oversample; /* samples a side of a pixel; 1: rows are the picture's */
-    double clamp;
-    bool edges;
-        /* pictures have them */ /* see struct rad_filter_shape; 0: off */
+    double clamp;   /* see struct rad_filter_shape; 0: off */
+    bool edges;     /* pictures have them (image/edge.h) */
     enum rows_kind kind;
     uint32_t nframes;
     struct frame_rows *frames;

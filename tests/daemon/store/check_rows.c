@@ -442,7 +442,7 @@ preview_of(int width, int height, int oversample, int x, int y)
     uint8_t bright[4];
     struct rows r;
     char path[160];
-    struct rows_output out = { .path = path, .preview = true };
+    struct rows_output out = { .path = path, .preview = true, .edges = true };
     size_t n;
 
     rad_rgbe(rad_grey(3), bright);
@@ -473,6 +473,7 @@ TEST(previews_of_many_samples_are_of_those_in_the_middle)
     ck_assert_float_gt(pic.L[2 * 10 + 4].r, 0);
     ck_assert_float_lt(pic.L[2 * 10 + 4].r, 1);
     ck_assert_float_gt(pic.L[2 * 10 + 3].r, 0);
+    ck_assert_int_gt(rad_edges_count(&pic.edges, 2), 0);
     rad_picture_release(&pic);
     pic = preview_of(w, h, 8, 8 * 700 + 4, 8 * 300 + 4);
     for (int i = 0; i < pic.width * pic.height; i++) {
@@ -480,6 +481,8 @@ TEST(previews_of_many_samples_are_of_those_in_the_middle)
 
         ck_assert(middle ? fabsf(pic.L[i].r - 3) < .05f : pic.L[i].r == 0);
     }
+    for (int y = 0; y < pic.height; y++)
+        ck_assert_int_eq(rad_edges_count(&pic.edges, y), 0);
     rad_picture_release(&pic);
 }
 
