@@ -4,6 +4,7 @@
 #include "image/edge.h"
 #include "image/hdr.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,10 +35,10 @@ rad_edge_encode_row(const struct rad_edge *edge, int n, uint8_t *code)
     uint8_t *to = put_number(code, (uint64_t)n, 2);
 
     for (int i = 0; i < n; i++) {
-        int share = (int)(edge[i].share * 255 + .5f);
+        int root = (int)(sqrtf(edge[i].share) * 255 + .5f);
 
         to = put_number(to, (uint64_t)edge[i].x, 2);
-        *to++ = (uint8_t)(share < 1 ? 1 : share > 254 ? 254 : share);
+        *to++ = (uint8_t)(root < 1 ? 1 : root > 254 ? 254 : root);
         rad_rgbe(edge[i].bright, to);
         rad_rgbe(edge[i].dark, to + 4);
         to += 8;
@@ -138,7 +139,7 @@ rad_edges_get(const struct rad_edges *e, int y, int i, struct rad_edge *edge)
     const uint8_t *at = e->code + e->row[y] + 2 + RAD_EDGE_BYTES * (size_t)i;
 
     edge->x = (int)get_number(at, 2);
-    edge->share = at[2] / 255.f;
+    edge->share = at[2] / 255.f * (at[2] / 255.f);
     edge->bright = rad_rgbe_radiance(at + 3);
     edge->dark = rad_rgbe_radiance(at + 7);
 }

@@ -12,12 +12,11 @@
  *
  * In a file, edges stand behind the last row of a picture, where other readers
  * do not look: for each row, from the top, their number (two bytes), then each
- * in RAD_EDGE_BYTES: column (two bytes), share in 1/255, RGBE of the brighter,
- * RGBE of the darker.  At the end the bytes of all this (eight), and a mark.
- * Numbers have their highest byte first.
- * Source: Delp & Mitchell 1979, Image compression using block truncation coding
- * (two levels and a share).
- * Thread: any. */
+ * in RAD_EDGE_BYTES: column (two bytes), the share's square root in 1/255, RGBE
+ * of the brighter, RGBE of the darker.  At the end the bytes of all this
+ * (eight), and a mark. Numbers have their highest byte first. Source: Delp &
+ * Mitchell 1979, Image compression using block truncation coding (two levels
+ * and a share). Thread: any. */
 #ifndef RAD_IMAGE_EDGE_H
 #define RAD_IMAGE_EDGE_H
 

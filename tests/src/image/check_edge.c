@@ -136,6 +136,27 @@ RANGE_TEST(sides_are_told_apart, 2, 6)
     free(rgbe);
 }
 
+/* A screen's steps are finest where it is dark: of a lamp in the night no halo
+ * must be left where the filter ends. */
+TEST(small_shares_are_kept_most_exactly)
+{
+    static const float share[] = { 1e-5f, 1e-4f, .001f, .02f, .5f, .9999f };
+
+    for (int i = 0; i < N_ELEM(share); i++) {
+        uint8_t code[RAD_EDGE_ROW_BYTES(1) + RAD_EDGE_END_BYTES];
+        struct rad_edge edge = { 0, share[i], rad_grey(LAMP), rad_grey(0) };
+        size_t len = rad_edge_encode_row(&edge, 1, code);
+        struct rad_edges e;
+
+        rad_edge_encode_end(len, code + len);
+        ck_assert_int_eq(rad_edges_read(code, sizeof code, 1, 1, &e, NULL), 0);
+        ck_assert_int_eq(rad_edges_count(&e, 0), 1);
+        rad_edges_get(&e, 0, 0, &edge);
+        ck_assert_float_eq_tol(sqrtf(edge.share), sqrtf(share[i]), 1 / 255.f);
+        rad_edges_release(&e);
+    }
+}
+
 TEST(what_is_alike_has_no_edges)
 {
     struct rad_filter_shape s = shape(3);
