@@ -227,11 +227,13 @@ is_shown(const struct submit_options *o)
            picfile_is_png(o->output, (enum picfile_format)o->format);
 }
 
+/* Of several planes each would part the samples of a pixel otherwise: their
+ * edges cannot be joined. */
 static uint32_t
 edge_flags(const struct submit_options *o)
 {
     return o->oversample > 1 && is_shown(o) && !o->points.file &&
-                   !submit_options_spectra(o) && !o->false_colour
+                   submit_options_planes(o) == 0 && !o->false_colour
                ? MSG_JOB_EDGES
                : 0;
 }
