@@ -8,6 +8,7 @@
 #include "tests/world_fixture.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 FIXTURE(NULL, world_tear_down)
@@ -264,6 +265,37 @@ TEST(glints_are_no_smaller_than_cells)
     world_open(&w, scene, "-ab 0 -ad 49 -as 0 -lw 0");
     f = sample_many(NULL);
     ck_assert_double_lt(f.sd, .6 * E);
+    ck_assert_double_eq_tol(f.mean, E, .04 * E);
+}
+
+static const struct {
+    const char *material;
+    double deg; /* of the sun, from the zenith */
+} tilted[] = {
+    { "metal m 0 0 5 .8 .8 .8 1 .02", 45 },
+    { "metal m 0 0 5 .8 .8 .8 1 .02", 60 },
+    { "metal2 m 4 1 0 0 . 0 6 .8 .8 .8 1 .02 .03", 60 },
+    { "ashik2 m 4 1 0 0 . 0 8 0 0 0 .8 .8 .8 5000 5000", 0 },
+    { "WGMDfunc m 13 void .8 .02 .02 void 0 0 0 . 1 0 0 . 0 9 0 0 0 0 0 0 0 0 "
+      "0",
+      60 },
+};
+
+/* Whatever the sun's height, although gloss is blurred less near grazing. */
+LOOP_TEST(blurred_glints_have_the_light_of_a_mirror, N_ELEM(tilted))
+{
+    double half = .25 / 180 * M_PI, a = tilted[_i].deg / 180 * M_PI, E;
+    char scene[400];
+    struct found f;
+
+    snprintf(scene, sizeof scene,
+             "void light sun 0 0 3 1e5 1e5 1e5\n"
+             "sun source s 0 0 4 %g 0 %g .5\n"
+             "void %s\nm ring ceiling 0 0 8 0 0 2  0 0 -1  0 200\n",
+             sin(a), -cos(a), tilted[_i].material);
+    world_open(&w, scene, "-ab 0 -ad 49 -as 0 -lw 0 -st 1");
+    f = sample_many(NULL);
+    E = .8 * 1e5 * M_PI * sin(half) * sin(half) * cos(a);
     ck_assert_double_eq_tol(f.mean, E, .04 * E);
 }
 
