@@ -88,7 +88,7 @@ row_bytes(const uint8_t *code, size_t len, int width)
 
 int
 rad_edges_read(const uint8_t *file, size_t n, int width, int height,
-               struct rad_edges *e, struct rad_error *err)
+               struct rad_edge_rows *e, struct rad_error *err)
 {
     size_t begin = rad_edge_begin(file, n), len, at = 0;
     int y = 0;
@@ -120,7 +120,7 @@ rad_edges_read(const uint8_t *file, size_t n, int width, int height,
 }
 
 void
-rad_edges_release(struct rad_edges *e)
+rad_edges_release(struct rad_edge_rows *e)
 {
     free(e->code);
     free(e->row);
@@ -128,13 +128,14 @@ rad_edges_release(struct rad_edges *e)
 }
 
 int
-rad_edges_count(const struct rad_edges *e, int y)
+rad_edges_count(const struct rad_edge_rows *e, int y)
 {
     return e->row ? (int)get_number(e->code + e->row[y], 2) : 0;
 }
 
 void
-rad_edges_get(const struct rad_edges *e, int y, int i, struct rad_edge *edge)
+rad_edges_get(const struct rad_edge_rows *e, int y, int i,
+              struct rad_edge *edge)
 {
     const uint8_t *at = e->code + e->row[y] + 2 + RAD_EDGE_BYTES * (size_t)i;
 

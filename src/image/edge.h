@@ -52,7 +52,7 @@ void rad_edge_encode_end(uint64_t bytes, uint8_t code[RAD_EDGE_END_BYTES]);
 size_t rad_edge_begin(const uint8_t *file, size_t n);
 
 /* The edges of a picture in memory, zeroed where it has none. */
-struct rad_edges {
+struct rad_edge_rows {
     uint8_t *code; /* of all rows; malloc'd */
     size_t *row;   /* where each row begins in it; malloc'd */
 };
@@ -61,12 +61,12 @@ struct rad_edges {
  * this size.  Bytes that are not edges of such a picture are none.
  * RAD_ENOMEM. */
 int rad_edges_read(const uint8_t *file, size_t n, int width, int height,
-                   struct rad_edges *e, struct rad_error *err);
-void rad_edges_release(struct rad_edges *e);
+                   struct rad_edge_rows *e, struct rad_error *err);
+void rad_edges_release(struct rad_edge_rows *e);
 
 /* The number of row y's edges, and the i-th of them. */
-int rad_edges_count(const struct rad_edges *e, int y);
-void rad_edges_get(const struct rad_edges *e, int y, int i,
+int rad_edges_count(const struct rad_edge_rows *e, int y);
+void rad_edges_get(const struct rad_edge_rows *e, int y, int i,
                    struct rad_edge *edge);
 
 #endif

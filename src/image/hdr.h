@@ -79,7 +79,8 @@ struct rad_picture {
     bool irradiance;   /* by the options in its header, not radiance */
     bool other_primaries; /* a PRIMARIES line: L has primaries other than */
     double chroma[8];     /* Radiance's: x y of red, green, blue, white */
-    struct rad_edges edges; /* what meets within pixels, in the units of L */
+    struct rad_edge_rows
+        edges; /* what meets within pixels, in the units of L */
 };
 void rad_picture_release(struct rad_picture *pic);
 

@@ -88,7 +88,7 @@ filter(int n, const uint8_t *rgbe, struct rad_rgb *pixels,
 }
 
 static void
-read_edges(const struct rad_memory_out *file, struct rad_edges *e)
+read_edges(const struct rad_memory_out *file, struct rad_edge_rows *e)
 {
     ck_assert_int_eq(
         rad_edges_read(file->bytes, file->len, WIDTH, LINES, e, NULL), 0);
@@ -109,7 +109,7 @@ RANGE_TEST(sides_are_told_apart, 2, 6)
     uint8_t *rgbe = slanted(&s, some_noise);
     static struct rad_rgb pixels[WIDTH * LINES];
     struct rad_memory_out file = { 0 };
-    struct rad_edges e;
+    struct rad_edge_rows e;
 
     filter(n, rgbe, pixels, NULL);
     filter(n, rgbe, NULL, &file);
@@ -146,7 +146,7 @@ TEST(small_shares_are_kept_most_exactly)
         uint8_t code[RAD_EDGE_ROW_BYTES(1) + RAD_EDGE_END_BYTES];
         struct rad_edge edge = { 0, share[i], rad_grey(LAMP), rad_grey(0) };
         size_t len = rad_edge_encode_row(&edge, 1, code);
-        struct rad_edges e;
+        struct rad_edge_rows e;
 
         rad_edge_encode_end(len, code + len);
         ck_assert_int_eq(rad_edges_read(code, sizeof code, 1, 1, &e, NULL), 0);
@@ -162,7 +162,7 @@ TEST(what_is_alike_has_no_edges)
     struct rad_filter_shape s = shape(3);
     uint8_t *rgbe = slanted(&s, some_noise);
     struct rad_memory_out file = { 0 };
-    struct rad_edges e;
+    struct rad_edge_rows e;
 
     for (int i = 0; i < s.width * s.height; i++)
         rad_rgbe(rad_grey(WALL * (1 + .3f * (float)some_noise(i))),
