@@ -436,6 +436,7 @@ coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
             struct saved_job *out)
 {
     const struct job *job = desk_find_job(c, id);
+    uint64_t date_ms = desk_date_ms(c), slept_ms = date_ms - c->now_ms;
 
     if (!job)
         return false;
@@ -446,9 +447,9 @@ coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
                                .state = (uint8_t)job->state,
                                .status = job->status,
                                .text = job->text,
-                               .offer_ms = job->offer_ms,
-                               .submit_ms = job->submit_ms,
-                               .open_ms = c->now_ms,
+                               .offer_ms = job->offer_ms + slept_ms,
+                               .submit_ms = job->submit_ms + slept_ms,
+                               .open_ms = date_ms,
                                .end_ms = job->over_ms,
                                .cache_bytes = job->cache.bytes,
                                .keep = job->cache.range,

@@ -88,7 +88,7 @@ struct action_rows {
     uint32_t nbottom;
     const uint8_t *line; /* with bottom, of coded rows: the last row's colours,
                           * width * 3 floats as on the wire; NULL: none */
-    uint64_t now_ms;
+    uint64_t date_ms;    /* when the rows came (desk.h) */
 };
 
 /* Colours so far of every step-th pixel (step 8 to 256) of an area. */

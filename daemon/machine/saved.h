@@ -24,7 +24,7 @@ struct saved_unit {
     uint64_t sum;         /* rowsum() of these; when put: of the new rows */
     uint32_t now;         /* when put: how many of these are new */
     bool done;            /* all rows are kept; then the fields below are set */
-    uint64_t end_ms;
+    uint64_t end_ms;      /* a date */
     struct msg_counts counts;
     const uint8_t *bottom; /* densities of its last base line */
     uint32_t nbottom;      /* 0: no line is kept, or the line has none, for
@@ -64,7 +64,8 @@ struct saved_job {
     uint8_t state;  /* enum job_state: paused, over, or any other */
     int status;     /* of a job that is over */
     const char *text;
-    uint64_t offer_ms, submit_ms, open_ms, end_ms, sent_bytes;
+    uint64_t offer_ms, submit_ms, open_ms, end_ms; /* dates (desk.h) */
+    uint64_t sent_bytes;
     uint64_t kept_bytes;      /* of a job that is over: bytes of its folder, */
     uint64_t cache_bytes;     /* and of these its ambient cache's; when put: not
                                * 0 if the cache is to be kept */

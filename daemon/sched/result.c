@@ -103,7 +103,7 @@ put_rows(struct coord *c, const struct job *job, uint32_t index,
                                .awaited = m->last && job_waiting(job) == 0,
                                .pixels = m->pixels,
                                .len = m->len,
-                               .now_ms = c->now_ms };
+                               .date_ms = desk_date_ms(c) };
     memcpy(r->job, job->id, MSG_JOB);
     if (!m->last)
         return;

@@ -234,7 +234,7 @@ note_rows(struct rows_task *r, uint64_t sum)
                             .now = k->rows,
                             .sum = sum,
                             .done = k->last,
-                            .end_ms = k->now_ms,
+                            .end_ms = k->date_ms,
                             .counts = r->counts,
                             .bottom = r->bottom,
                             .nbottom = k->nbottom };

@@ -252,7 +252,7 @@ put_rows(struct sim *s, struct sim_job *job, const struct entry *e)
         SIM_CHECK(&s->net, u->saved.attempt == r->attempt);
         u->saved.stored = r->row + r->rows;
         u->saved.done = r->last;
-        u->saved.end_ms = r->now_ms;
+        u->saved.end_ms = r->date_ms;
         u->saved.counts = e->counts;
         free(u->bottom);
         u->bottom = calloc(1, e->nbottom + 1);

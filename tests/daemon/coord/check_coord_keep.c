@@ -352,6 +352,23 @@ TEST(sleep_of_the_machine_makes_no_job_older_that_ended_after_it)
     ck_assert_ptr_null(desk_find_job(f.c, job_b));
 }
 
+/* The next life tells for how long a job has been under way by what was saved
+ * of the job, its units, and its end. */
+TEST(sleep_before_a_job_is_in_all_dates_of_it_that_are_saved)
+{
+    struct saved_job saved;
+
+    f.slept_ms = 1000 * 3600;
+    submit(ANA, job_a, 0);
+    ck_assert(coord_saved(f.c, job_a, &saved));
+    ck_assert_uint_eq(saved.offer_ms, f.now_ms + f.slept_ms);
+    ck_assert_uint_eq(saved.submit_ms, f.now_ms + f.slept_ms);
+    ck_assert_uint_eq(saved.open_ms, f.now_ms + f.slept_ms);
+    ready(WORKER, job_a);
+    result(WORKER, job_a, 0, 1);
+    ck_assert_uint_eq(f.rows.date_ms, f.now_ms + f.slept_ms);
+}
+
 /* Who asks hears the same of it as before. */
 TEST(of_a_job_that_is_filed_its_end_is_kept)
 {
