@@ -267,7 +267,7 @@ take_detail(struct watch *w, json_t *row)
     }
     json_decref(w->detail);
     w->detail = row;
-    w->gone = false;
+    w->gone[0] = '\0';
     return true;
 }
 
@@ -275,12 +275,11 @@ take_detail(struct watch *w, json_t *row)
 static bool
 take_absence(struct watch *w, const char *why)
 {
-    if (w->gone)
+    if (w->gone[0])
         return false;
     json_decref(w->detail);
     w->detail = NULL;
-    w->gone = true;
-    rad_text_print(w->note, sizeof w->note, "%s", why);
+    rad_text_print(w->gone, sizeof w->gone, "%s", why);
     return true;
 }
 

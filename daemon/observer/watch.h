@@ -49,7 +49,7 @@ struct watch {
     uint64_t version;   /* rises with each change that a page shows */
     struct watch_query row, stats, picture;
     json_t *detail;          /* the job's row; NULL: not known (yet) */
-    bool gone;               /* the coordinator has no such job (any more) */
+    char gone[300];          /* why there is no such job (any more); or "" */
     struct units units;      /* the statistics; head NULL: none */
     struct blob *rgbe, *png; /* as in picture.h; NULL: none */
     uint64_t picture_version;

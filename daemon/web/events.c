@@ -94,7 +94,7 @@ static void
 take_event(struct stream *s)
 {
     if (s->version == version_of(s) ||
-        (s->watch && !s->watch->detail && !s->watch->gone) ||
+        (s->watch && !s->watch->detail && !s->watch->gone[0]) ||
         blob_alive() > BLOB_MOST)
         return;
     s->version = version_of(s);

@@ -93,9 +93,9 @@ page_trouble(struct markup *m, const struct model *c, const struct watch *w)
         }
         markup_raw(m, "</p>");
     }
-    if (w && w->gone) {
+    if (w && w->gone[0]) {
         markup_raw(m, "<p class=\"trouble\" role=\"alert\">This job is gone: ");
-        markup_text(m, w->note);
+        markup_text(m, w->gone);
         markup_raw(m, ".</p>");
     }
     if (json_is_true(json_object_get(c->status, "disk_full")))

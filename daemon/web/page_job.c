@@ -371,7 +371,7 @@ void
 page_job(struct markup *m, const struct model *c, const struct watch *w)
 {
     page_trouble(m, c, w);
-    if (w->gone)
+    if (w->gone[0])
         return;
     put_head(m, w);
     put_picture(m, w);

@@ -276,9 +276,10 @@ send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
         session_is_up(r->session))
         return put_off(r, c, w, p->picture, state);
     if (!w->detail)
-        return w->gone ? answer_error(c, r->path, MHD_HTTP_NOT_FOUND, w->note)
-                       : answer_error(c, r->path, MHD_HTTP_SERVICE_UNAVAILABLE,
-                                      "the coordinator cannot be asked now");
+        return w->gone[0]
+                   ? answer_error(c, r->path, MHD_HTTP_NOT_FOUND, w->gone)
+                   : answer_error(c, r->path, MHD_HTTP_SERVICE_UNAVAILABLE,
+                                  "the coordinator cannot be asked now");
     if (w->frame > 0 && w->frame >= markup_number(w->detail, "frames"))
         return answer_error(c, r->path, MHD_HTTP_NOT_FOUND,
                             "the job has no such frame");

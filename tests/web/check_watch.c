@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sysexits.h>
 
 /* --- a coordinator: the session's functions, which keep what is asked --- */
 
@@ -66,15 +67,22 @@ session_ask(struct session *s, struct msg *m, size_t most, session_fn *fn,
 }
 
 static void
-answer(struct session *s, unsigned i, const void *bytes, size_t n)
+answer_with(struct session *s, unsigned i, const struct session_answer *a)
 {
     struct question q = s->asked[i];
-    struct session_answer a = { .bytes = bytes, .n = n };
 
     memmove(s->asked + i, s->asked + i + 1, (--s->n - i) * sizeof s->asked[0]);
-    if (n > q.most)
+    q.fn(q.arg, a);
+}
+
+static void
+answer(struct session *s, unsigned i, const void *bytes, size_t n)
+{
+    struct session_answer a = { .bytes = bytes, .n = n };
+
+    if (n > s->asked[i].most)
         a = (struct session_answer){ .status = 65, .text = "too large" };
-    q.fn(q.arg, &a);
+    answer_with(s, i, &a);
 }
 
 /* --- jobs that are looked at --- */
@@ -190,6 +198,37 @@ TEST(jobs_that_gave_way_keep_their_pace)
     }
     ck_assert_uint_ge(fetches, WATCH_MOST);
     ck_assert_uint_le(session.fetches, 4 * WATCH_MOST);
+    end(&loop);
+}
+
+/* An answer about the picture, which was asked for before, comes behind. */
+TEST(why_a_job_is_gone_is_not_forgotten)
+{
+    static const struct session_answer deleted = { .status = EX_NOINPUT,
+                                                   .text = "deleted" },
+                                       none = { .status = EX_NOINPUT,
+                                                .text = "no such picture" };
+    struct watch *w;
+    uv_loop_t loop;
+
+    begin(&loop);
+    w = watch_look_at(&watches, hex_of(0), 0);
+    watch_tick(&watches);
+    tell_details(100);
+    watch_tick(&watches);
+    ck_assert_uint_eq(fetches_out(), 1);
+    if (session.asked[0].m.fetch.what != MSG_WHAT_PREVIEW) {
+        answer(&session, 0, "", 0);
+        uv_run(&loop, UV_RUN_DEFAULT);
+        watches.rest_ms = 0;
+        watch_tick(&watches);
+    }
+    ck_assert_uint_eq(session.asked[0].m.fetch.what, MSG_WHAT_PREVIEW);
+    w->row.due_ms = 0;
+    watch_tick(&watches);
+    answer_with(&session, 1, &deleted);
+    answer_with(&session, 0, &none);
+    ck_assert_str_eq(w->gone, "deleted");
     end(&loop);
 }
 
