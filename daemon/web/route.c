@@ -275,6 +275,8 @@ send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
     if (!is_ready(w, p->picture) && !was && !r->closing &&
         session_is_up(r->session))
         return put_off(r, c, w, p->picture, state);
+    if (w->gone[0] && p->send == send_events)
+        return send_events(r, c, w); /* a page that was hidden hears of it */
     if (!w->detail)
         return w->gone[0]
                    ? answer_error(c, r->path, MHD_HTTP_NOT_FOUND, w->gone)
