@@ -5,8 +5,11 @@
 
 #include <string.h>
 
+enum { MOST_UP = 3 }; /* folders from the deepest of our paths to the root */
+
 /* Write an address below radweb's root, as seen from a path, as the value of an
- * attribute. */
+ * attribute.  From a deeper path, at which there is nothing but an error, the
+ * address leads nowhere. */
 static void
 put_address(struct markup *m, const char *attribute, const char *path,
             const char *below)
@@ -14,8 +17,9 @@ put_address(struct markup *m, const char *attribute, const char *path,
     const char *slash = strchr(path, '/');
 
     markup_print(m, " %s=\"./", attribute);
-    while (slash && (slash = strchr(slash + 1, '/')))
-        markup_raw(m, "../");
+    for (int i = 0; i < MOST_UP && slash; i++)
+        if ((slash = strchr(slash + 1, '/')))
+            markup_raw(m, "../");
     markup_print(m, "%s\"", below);
 }
 

@@ -216,6 +216,7 @@ def headers():
     assert get("/jobs/" + 32 * "0")[0].status == 404
     assert get("/jobs/%s?frame=7" % rest[0])[0].status == 404
     assert get("/jobs/../../etc/passwd")[0].status == 404
+    assert len(get("/" * 15000)[1]) < 2000
     assert get("/", method="POST")[0].status == 405
     assert get("/", method="POST", body=b"a=b")[0].status == 405
     r, body = get("/", method="HEAD")
