@@ -351,7 +351,7 @@ ask_step(struct model *m)
         q.page.cursor = m->cursor;
         q.page.most = m->round == STEP_OVER ? MODEL_OVER : 0;
     }
-    if (!session_ask(m->session, &q, MSG_MAX, on_answer, m))
+    if (!session_ask(m->session, &q, MSG_MAX, false, on_answer, m))
         fail_round(m);
 }
 

@@ -15,7 +15,9 @@
 
 #define PICTURE_PIXELS 1500000    /* most pixels that are handed out */
 #define PICTURE_MOST   16000000   /* most pixels of a picture that is read */
-#define PICTURE_BYTES  (242 << 20) /* most bytes of its file, with edges */
+/* Most bytes of its file, or of one of PICTURE_PIXELS with edges
+ * (image/edge.h): a larger picture is shown without. */
+#define PICTURE_BYTES  (66 << 20)
 #define PICTURE_VIEW   1024
 
 /* Ahead of the pixels in `rgbe`: "RWP1", then width, height and the factor by

@@ -29,10 +29,12 @@ struct asked {
     struct asked *next;
     uint32_t request;
     size_t most;
+    bool head;
     session_fn *fn;
     void *arg;
-    uint8_t *bytes; /* of CHUNKs, of which n of `total` bytes have come */
-    size_t n, total;
+    uint8_t *bytes; /* the first `kept` bytes of the file */
+    size_t n, kept; /* n bytes of the file have come in CHUNKs, */
+    uint64_t total; /* of so many */
 };
 
 enum state { DOWN, DIALLING, GREETING, UP, CLOSED };
@@ -127,8 +129,8 @@ refuse_all(struct session *s)
 }
 
 bool
-session_ask(struct session *s, struct msg *m, size_t most, session_fn *fn,
-            void *arg)
+session_ask(struct session *s, struct msg *m, size_t most, bool head,
+            session_fn *fn, void *arg)
 {
     struct asked *a;
 
@@ -141,6 +143,7 @@ session_ask(struct session *s, struct msg *m, size_t most, session_fn *fn,
     *a = (struct asked){ .next = s->asked,
                          .request = m->request,
                          .most = most,
+                         .head = head,
                          .fn = fn,
                          .arg = arg };
     s->asked = a;
@@ -166,25 +169,28 @@ on_chunk(struct session *s, const struct msg *m)
 
     if (!a)
         return; /* a late CHUNK of an answer that was refused */
-    if (k->total > a->most) {
+    if (k->total > a->most && !a->head) {
         refuse(s, m->request, EX_DATAERR, "it is too large to be shown here");
         return;
     }
     if (!a->bytes) {
-        a->total = (size_t)k->total;
-        a->bytes = malloc(a->total + 1);
+        a->total = k->total;
+        a->kept = k->total < a->most ? (size_t)k->total : a->most;
+        a->bytes = malloc(a->kept + 1);
     }
     if (!a->bytes || k->total != a->total || k->offset != a->n ||
         k->len > a->total - a->n) {
         refuse(s, m->request, EX_PROTOCOL, "pieces of it are missing");
         return;
     }
-    memcpy(a->bytes + a->n, k->data, k->len);
+    if (a->n < a->kept)
+        memcpy(a->bytes + a->n, k->data,
+               k->len < a->kept - a->n ? k->len : a->kept - a->n);
     a->n += k->len;
     if (a->n < a->total)
         return;
     what.bytes = a->bytes;
-    what.n = a->n;
+    what.n = a->kept;
     answer(s, m->request, &what);
 }
 

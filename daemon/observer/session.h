@@ -47,10 +47,11 @@ bool session_is_up(const struct session *s);
 const char *session_why(const struct session *s);
 
 /* Send a request; fn is called once, after session_ask() has returned.  An
- * answer of more than `most` bytes is refused with EX_DATAERR.  Returns false,
- * and fn is not called, if the connection is down, too many requests wait or
- * memory is out. */
-bool session_ask(struct session *s, struct msg *m, size_t most, session_fn *fn,
-                 void *arg);
+ * answer of more than `most` bytes is refused with EX_DATAERR; of a file that
+ * is fetched fn gets the first `most` bytes if `head`, and no more of it takes
+ * memory.  Returns false, and fn is not called, if the connection is down, too
+ * many requests wait or memory is out. */
+bool session_ask(struct session *s, struct msg *m, size_t most, bool head,
+                 session_fn *fn, void *arg);
 
 #endif

@@ -95,7 +95,7 @@ begin(struct watch *w, struct watch_query *q, struct msg *m, size_t most,
 {
     state_of(w, q->of);
     q->from_ms = uv_now(w->all->loop);
-    q->out = session_ask(w->all->session, m, most, answer, w);
+    q->out = session_ask(w->all->session, m, most, q == &w->picture, answer, w);
     if (!q->out)
         q->of[0] = '\0';
 }
@@ -306,7 +306,7 @@ ask_detail(struct watch *w)
 {
     struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, w->hex } };
 
-    w->row.out = session_ask(w->all->session, &m, MSG_MAX, on_detail, w);
+    w->row.out = session_ask(w->all->session, &m, MSG_MAX, false, on_detail, w);
 }
 
 /* --- when requests are due --- */

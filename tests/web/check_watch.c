@@ -4,6 +4,7 @@
 #include "config.h"
 
 #include "ground/sanitized.h"
+#include "image/edge.h"
 #include "observer/model.h"
 #include "observer/watch.h"
 #include "tests/unit.h"
@@ -26,6 +27,7 @@ struct session {
         uint8_t job[MSG_JOB];   /* of a fetch */
         char state[20];         /* of a page */
         size_t most;
+        bool head;
         session_fn *fn;
         void *arg;
     } asked[MOST];
@@ -46,15 +48,17 @@ session_why(const struct session *s)
 }
 
 bool
-session_ask(struct session *s, struct msg *m, size_t most, session_fn *fn,
-            void *arg)
+session_ask(struct session *s, struct msg *m, size_t most, bool head,
+            session_fn *fn, void *arg)
 {
     struct question *q = &s->asked[s->n];
 
     if (!s->up || s->n == MOST)
         return false;
     s->n++;
-    *q = (struct question){ .m = *m, .most = most, .fn = fn, .arg = arg };
+    *q = (struct question){
+        .m = *m, .most = most, .head = head, .fn = fn, .arg = arg
+    };
     if (m->type == MSG_QUERY)
         snprintf(q->text, sizeof q->text, "%s", m->query.text);
     if (m->type == MSG_PAGE)
@@ -79,8 +83,11 @@ static void
 answer(struct session *s, unsigned i, const void *bytes, size_t n)
 {
     struct session_answer a = { .bytes = bytes, .n = n };
+    size_t most = s->asked[i].most;
 
-    if (n > s->asked[i].most)
+    if (n > most && s->asked[i].head)
+        a.n = most;
+    else if (n > most)
         a = (struct session_answer){ .status = 65, .text = "too large" };
     answer_with(s, i, &a);
 }
@@ -234,14 +241,16 @@ TEST(why_a_job_is_gone_is_not_forgotten)
 
 /* --- memory --- */
 
-#define SIDE 4000 /* PICTURE_MOST pixels */
+#define SIDE  4000 /* PICTURE_MOST pixels */
+#define EDGES (SIDE * RAD_EDGE_ROW_BYTES(SIDE))
 
-/* A picture whose lines cannot be packed. */
+/* A picture whose lines cannot be packed, with room behind its *n bytes for
+ * edges in all of its pixels. */
 static uint8_t *
 hdr_of(int side, size_t *n)
 {
     size_t line = 4 + 4 * ((size_t)side + (size_t)(side + 127) / 128);
-    uint8_t *hdr = malloc(100 + (size_t)side * line), *p = hdr;
+    uint8_t *hdr = calloc(1, 100 + (size_t)side * line + EDGES), *p = hdr;
     uint32_t noise = 1;
 
     ck_assert_ptr_nonnull(hdr);
@@ -320,7 +329,7 @@ TEST(the_largest_pictures_of_all_jobs_stay_within_bounds)
             bool picture = session.asked[0].m.fetch.what == MSG_WHAT_PREVIEW;
 
             if (picture)
-                answer(&session, 0, hdr, nhdr);
+                answer(&session, 0, hdr, nhdr + EDGES);
             else
                 answer(&session, 0, told ? few : stats,
                        told ? strlen(few) : nstats);
