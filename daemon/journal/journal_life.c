@@ -4,9 +4,10 @@
  * they are too old.  In a life the date goes on by itself, but it begins at the
  * system's clock, which may be years wrong: a battery is dead, a wrong year was
  * typed.  So what lies between two lives makes jobs older by PAUSE_MS at most,
- * and never younger: all dates in the database are moved by the rest, in the
- * transaction that begins the life.  A coordinator that is switched off for a
- * month so keeps pictures that nobody could fetch meanwhile. */
+ * and never younger: the dates of all jobs and units are moved by the rest, in
+ * the transaction that begins the life.  A coordinator that is switched off for
+ * a month so keeps pictures that nobody could fetch meanwhile.  Dates of jobs
+ * that are forgotten stay: users read them, and nothing ages by them. */
 #include "config.h"
 
 #include "journal/journal_impl.h"
@@ -52,8 +53,8 @@ run_with(struct journal *j, enum journal_sql what, uint64_t first,
     return journal_run(j, s, err);
 }
 
-/* Move all dates, so that those of seen_ms lie no more than PAUSE_MS before
- * date_ms. */
+/* Move the dates of jobs and units, so that those of seen_ms lie no more than
+ * PAUSE_MS before date_ms. */
 static int
 move_dates(struct journal *j, uint64_t seen_ms, uint64_t date_ms,
            struct rad_error *err)
