@@ -34,8 +34,8 @@ int journal_check(struct journal *j, struct rad_error *err);
 /* Begin another life of the coordinator: put it, and set *epoch to its number,
  * which is above those of all lives before.  *date_ms is the system's clock; if
  * that is wrong for sure, the date goes on where it was last put.  Dates of jobs
- * and units are moved: they lie before *date_ms by the time that the coordinator lived,
- * and by half a day at most for the time between two lives. */
+ * and units are moved: they lie before *date_ms by the time that the coordinator
+ * lived, and by half a day at most for the time between two lives. */
 int journal_begin_life(struct journal *j, uint64_t *date_ms, uint64_t *epoch,
                        struct rad_error *err);
 /* Put the date; called now and then in each life. */
