@@ -82,8 +82,8 @@ void
 page_trouble(struct markup *m, const struct model *c, const struct watch *w)
 {
     /* what is told once is an alert; the age, which changes, is none */
-    markup_print(m, "<section id=\"trouble\"%s>",
-                 c->up ? "" : " class=\"away\"");
+    markup_print(m, "<section id=\"trouble\" class=\"%s%s\">",
+                 c->up ? "" : "away", w && w->gone[0] ? " gone" : "");
     if (!c->up) {
         markup_raw(m,
                    "<p class=\"trouble\"><span role=\"alert\">The coordinator "

@@ -480,6 +480,14 @@ function wait(ms)
     }, ms);
 }
 
+/* Of a job that is gone nothing more comes. */
+function end()
+{
+    document.removeEventListener("visibilitychange", follow);
+    unfollow();
+    tell("not live", false);
+}
+
 /* A page that is not seen has no stream: browsers open but six connections to a
  * server, and pages in further tabs would wait for one of them for good. */
 function follow()
@@ -491,6 +499,10 @@ function follow()
     stream.addEventListener("sign", () => wait(SILENT_MS));
     stream.onmessage = e => {
         take(e.data);
+        if (document.querySelector("#trouble.gone")) {
+            end();
+            return;
+        }
         const away = document.querySelector("#trouble.away");
         tell(away ? "not live" : "live", !away);
         wait(SILENT_MS);

@@ -142,17 +142,38 @@ def streams():
     return int(said.split("\nradweb_streams ")[1].split()[0])
 
 
+def has_streams(n):
+    until = time.monotonic() + 30
+    while streams() != n:
+        assert time.monotonic() < until, (n, streams())
+        time.sleep(.2)
+
+
+HIDE = """Object.defineProperty(document, "hidden",
+                                { value: %s, configurable: true });
+    document.dispatchEvent(new Event("visibilitychange"))"""
+
+
 def not_seen(b):
     """A page that is not seen keeps no connection."""
-    hide = """Object.defineProperty(document, "hidden",
-                                    { value: %s, configurable: true });
-        document.dispatchEvent(new Event("visibilitychange"))"""
     for hidden, n in (("false", 1), ("true", 0), ("false", 1)):
-        b.run(hide % hidden)
-        until = time.monotonic() + 30
-        while streams() != n:
-            assert time.monotonic() < until, (hidden, streams())
-            time.sleep(.2)
+        b.run(HIDE % hidden)
+        has_streams(n)
+
+
+def hears_late(b):
+    """A page that was not seen while its job was deleted says so in the end, and
+    keeps no connection, for nothing more comes."""
+    b.open("%s/jobs/%s" % (url, job))
+    b.until(LIVE)
+    b.run(HIDE % "true")
+    has_streams(0)
+    subprocess.run(words + ["delete", job], check=True, capture_output=True)
+    b.run(HIDE % "false")
+    b.until("document.querySelector('#trouble').textContent.includes("
+            "'This job is gone')")
+    assert not b.run(LIVE)
+    has_streams(0)
 
 
 def main():
@@ -186,6 +207,7 @@ def main():
         b.until("document.querySelectorAll('#jobs tbody tr').length > %d" % n)
         assert b.run("document.activeElement.href").endswith(job)
         not_seen(b)
+        hears_late(b)
         said = b.complaints()
         assert not said, said
     finally:
