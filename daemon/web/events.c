@@ -104,6 +104,13 @@ take_event(struct stream *s)
 
 /* --- streams --- */
 
+/* Has the page been told that its job is gone?  Nothing more comes then. */
+static bool
+is_last(const struct stream *s)
+{
+    return s->watch && s->watch->gone[0] && s->version == version_of(s);
+}
+
 static ssize_t
 read_stream(void *arg, uint64_t pos, char *buf, size_t most)
 {
@@ -116,6 +123,8 @@ read_stream(void *arg, uint64_t pos, char *buf, size_t most)
         return MHD_CONTENT_READER_END_OF_STREAM;
     if (!s->now)
         take_event(s);
+    if (!s->now && is_last(s))
+        return MHD_CONTENT_READER_END_OF_STREAM;
     if (!s->now && s->sign && most >= sizeof sign) {
         s->sign = false;
         memcpy(buf, sign, sizeof sign - 1);

@@ -110,6 +110,7 @@ web_start
 try restart_begin "$url" open &
 page=$!
 until_true 10 test -e open || fail "no page is open"
+until_true 20 try has_data "$url" || fail "it has heard of no coordinator"
 # shellcheck disable=SC2154 # of cluster.sh
 kill "$pid_1" "$coord_pid"
 wait "$pid_1" "$coord_pid"

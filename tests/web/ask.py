@@ -462,9 +462,15 @@ def gone():
     assert r.status == 404 and b"no job" in body, body
 
 
+def has_data():
+    assert json.loads(text("/api/v1/status.json"))["age_s"] >= 0
+
+
 def grows_old():
     """While the coordinator is away an open page tells how old its data are."""
+    until = time.monotonic() + 300
     for said in stream("/events"):
+        assert time.monotonic() < until, said[-300:]
         ages = set(re.findall(r"What is shown is ([^<]+) old", said))
         if len(ages) > 1:
             return
