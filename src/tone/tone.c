@@ -236,19 +236,20 @@ rad_toner_release(struct rad_toner *t)
     memset(t, 0, sizeof *t);
 }
 
-/* A colour in row y as the light of a screen. */
+/* A colour, for human as the eye sees it, as the light of a screen. */
 static struct rad_rgb
-shown(const struct rad_toner *t, int x, int y, struct rad_rgb L)
+shown(const struct rad_toner *t, struct rad_rgb L)
 {
-    switch (t->o.curve) {
-    case RAD_TONE_LINEAR:
-        return linear_pixel(&t->tone, L);
-    case RAD_TONE_HUMAN:
-        return linear_pixel(&t->tone,
-                            rad_eye_colour(t->eye, &t->tone.human, x, y, L));
-    default:
-        return photographic_pixel(&t->tone, L);
-    }
+    return t->o.curve == RAD_TONE_PHOTOGRAPHIC ? photographic_pixel(&t->tone, L)
+                                               : linear_pixel(&t->tone, L);
+}
+
+/* Likewise a colour within pixel (x, y). */
+static struct rad_rgb
+shown_within(const struct rad_toner *t, int x, int y, struct rad_rgb L)
+{
+    return shown(t,
+                 t->eye ? rad_eye_colour(t->eye, &t->tone.human, x, y, L) : L);
 }
 
 /* Where a pixel has an edge, the mean of what is shown of its two sides; but
@@ -263,9 +264,9 @@ show_edges(const struct rad_toner *t, int y, struct rad_rgb *out)
         struct rad_edge e;
 
         rad_edges_get(&t->pic->edges, y, i, &e);
-        out[e.x] =
-            rad_rgb_add(rad_rgb_scale(shown(t, e.x, y, e.bright), e.share),
-                        rad_rgb_scale(shown(t, e.x, y, e.dark), 1 - e.share));
+        out[e.x] = rad_rgb_add(
+            rad_rgb_scale(shown_within(t, e.x, y, e.bright), e.share),
+            rad_rgb_scale(shown_within(t, e.x, y, e.dark), 1 - e.share));
     }
 }
 
@@ -275,19 +276,11 @@ rad_toner_row(struct rad_toner *t, int y, struct rad_rgb *out)
     int width = t->pic->width;
     const struct rad_rgb *L = t->pic->L + (size_t)y * (size_t)width;
 
-    switch (t->o.curve) {
-    case RAD_TONE_LINEAR:
-        for (int x = 0; x < width; x++)
-            out[x] = linear_pixel(&t->tone, L[x]);
-        break;
-    case RAD_TONE_HUMAN:
+    if (t->eye) {
         rad_eye_row(t->eye, &t->tone.human, y, out);
-        for (int x = 0; x < width; x++)
-            out[x] = linear_pixel(&t->tone, out[x]);
-        break;
-    default:
-        for (int x = 0; x < width; x++)
-            out[x] = photographic_pixel(&t->tone, L[x]);
+        L = out;
     }
+    for (int x = 0; x < width; x++)
+        out[x] = shown(t, L[x]);
     show_edges(t, y, out);
 }
