@@ -3,6 +3,7 @@
 
 #include "proto/wire.h"
 
+#include "base/bits.h"
 #include "base/text.h"
 
 #include <stdlib.h>
@@ -11,23 +12,6 @@
 #ifdef __SSE2__
 #include <emmintrin.h>
 #endif
-
-static uint64_t
-load_be(const uint8_t *p, int n)
-{
-    uint64_t v = 0;
-
-    for (int i = 0; i < n; i++)
-        v = v << 8 | p[i];
-    return v;
-}
-
-static void
-store_be(uint8_t *p, uint64_t v, int n)
-{
-    for (int i = n; i-- > 0; v >>= 8)
-        p[i] = (uint8_t)v;
-}
 
 static bool
 utf8_valid(const uint8_t *s, size_t n)
@@ -69,7 +53,7 @@ get_be(struct wire_in *in, int n)
 {
     const uint8_t *p = wire_get_view(in, (size_t)n);
 
-    return p ? load_be(p, n) : 0;
+    return p ? rad_load_be(p, n) : 0;
 }
 
 uint8_t
@@ -228,7 +212,7 @@ put_be(struct wire_out *out, uint64_t v, int n)
     uint8_t *p = out_room(out, (size_t)n);
 
     if (p)
-        store_be(p, v, n);
+        rad_store_be(p, v, n);
 }
 
 void
@@ -339,7 +323,7 @@ wire_set_u32(struct wire_out *out, size_t at, uint32_t v)
     if (out->bad || out->len < 4 || at > out->len - 4)
         out->bad = true;
     else
-        store_be(out->buf + at, v, 4);
+        rad_store_be(out->buf + at, v, 4);
 }
 
 /* Change a float's bits from the machine's byte order to big-endian, or back.

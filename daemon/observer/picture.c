@@ -3,6 +3,7 @@
 
 #include "observer/picture.h"
 
+#include "base/bits.h"
 #include "base/files.h"
 #include "image/hdr.h"
 #include "tone/screen.h"
@@ -69,13 +70,6 @@ mean_of(const struct rad_coded_picture *c, int x, int y, int k)
     return rad_rgb_scale(sum, 1 / (float)(k * k));
 }
 
-static void
-put32(uint8_t *p, uint32_t v)
-{
-    for (int i = 0; i < 4; i++)
-        p[i] = (uint8_t)(v >> (24 - 8 * i));
-}
-
 /* The pixels, coded and as radiance. */
 static int
 fill(struct picture *pic, const struct rad_coded_picture *c, struct rad_rgb *L)
@@ -87,9 +81,9 @@ fill(struct picture *pic, const struct rad_coded_picture *c, struct rad_rgb *L)
     if (!pic->rgbe)
         return RAD_ENOMEM;
     memcpy(pic->rgbe, "RWP1", 4);
-    put32(pic->rgbe + 4, (uint32_t)pic->width);
-    put32(pic->rgbe + 8, (uint32_t)pic->height);
-    put32(pic->rgbe + 12, (uint32_t)pic->factor);
+    rad_store_be(pic->rgbe + 4, (uint32_t)pic->width, 4);
+    rad_store_be(pic->rgbe + 8, (uint32_t)pic->height, 4);
+    rad_store_be(pic->rgbe + 12, (uint32_t)pic->factor, 4);
     if (pic->factor == 1) /* to the bit */
         memcpy(pic->rgbe + PICTURE_HEAD, c->rgbe, 4 * n);
     for (int y = 0; y < pic->height; y++)

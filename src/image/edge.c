@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "image/edge.h"
+#include "base/bits.h"
 #include "image/hdr.h"
 
 #include <math.h>
@@ -11,37 +12,20 @@
 #define MARK       "\nradd: edges 1\n"
 #define MARK_BYTES 16 /* with the 0 at its end */
 
-static uint8_t *
-put_number(uint8_t *to, uint64_t v, int bytes)
-{
-    for (int i = bytes - 1; i >= 0; i--)
-        *to++ = (uint8_t)(v >> 8 * i);
-    return to;
-}
-
-static uint64_t
-get_number(const uint8_t *from, int bytes)
-{
-    uint64_t v = 0;
-
-    for (int i = 0; i < bytes; i++)
-        v = v << 8 | from[i];
-    return v;
-}
-
 size_t
 rad_edge_encode_row(const struct rad_edge *edge, int n, uint8_t *code)
 {
-    uint8_t *to = put_number(code, (uint64_t)n, 2);
+    uint8_t *to = code + 2;
 
+    rad_store_be(code, (uint64_t)n, 2);
     for (int i = 0; i < n; i++) {
         int root = (int)(sqrtf(edge[i].share) * 255 + .5f);
 
-        to = put_number(to, (uint64_t)edge[i].x, 2);
-        *to++ = (uint8_t)(root < 1 ? 1 : root > 254 ? 254 : root);
-        rad_rgbe(edge[i].bright, to);
-        rad_rgbe(edge[i].dark, to + 4);
-        to += 8;
+        rad_store_be(to, (uint64_t)edge[i].x, 2);
+        to[2] = (uint8_t)(root < 1 ? 1 : root > 254 ? 254 : root);
+        rad_rgbe(edge[i].bright, to + 3);
+        rad_rgbe(edge[i].dark, to + 7);
+        to += RAD_EDGE_BYTES;
     }
     return (size_t)(to - code);
 }
@@ -49,7 +33,8 @@ rad_edge_encode_row(const struct rad_edge *edge, int n, uint8_t *code)
 void
 rad_edge_encode_end(uint64_t bytes, uint8_t code[RAD_EDGE_END_BYTES])
 {
-    memcpy(put_number(code, bytes, 8), MARK, MARK_BYTES);
+    rad_store_be(code, bytes, 8);
+    memcpy(code + 8, MARK, MARK_BYTES);
 }
 
 size_t
@@ -60,7 +45,7 @@ rad_edge_begin(const uint8_t *file, size_t n)
 
     if (n < RAD_EDGE_END_BYTES || memcmp(end + 8, MARK, MARK_BYTES) != 0)
         return n;
-    bytes = get_number(end, 8);
+    bytes = rad_load_be(end, 8);
     return bytes <= n - RAD_EDGE_END_BYTES
                ? n - RAD_EDGE_END_BYTES - (size_t)bytes
                : n;
@@ -71,13 +56,13 @@ rad_edge_begin(const uint8_t *file, size_t n)
 static size_t
 row_bytes(const uint8_t *code, size_t len, int width)
 {
-    size_t n = len >= 2 ? (size_t)get_number(code, 2) : len;
+    size_t n = len >= 2 ? (size_t)rad_load_be(code, 2) : len;
     int last = -1;
 
     if (len < 2 || len < RAD_EDGE_ROW_BYTES(n))
         return 0;
     for (size_t i = 0; i < n; i++) {
-        int x = (int)get_number(code + 2 + i * RAD_EDGE_BYTES, 2);
+        int x = (int)rad_load_be(code + 2 + i * RAD_EDGE_BYTES, 2);
 
         if (x <= last || x >= width)
             return 0;
@@ -130,7 +115,7 @@ rad_edges_release(struct rad_edge_rows *e)
 int
 rad_edges_count(const struct rad_edge_rows *e, int y)
 {
-    return e->row ? (int)get_number(e->code + e->row[y], 2) : 0;
+    return e->row ? (int)rad_load_be(e->code + e->row[y], 2) : 0;
 }
 
 void
@@ -139,7 +124,7 @@ rad_edges_get(const struct rad_edge_rows *e, int y, int i,
 {
     const uint8_t *at = e->code + e->row[y] + 2 + RAD_EDGE_BYTES * (size_t)i;
 
-    edge->x = (int)get_number(at, 2);
+    edge->x = (int)rad_load_be(at, 2);
     edge->share = at[2] / 255.f * (at[2] / 255.f);
     edge->bright = rad_rgbe_radiance(at + 3);
     edge->dark = rad_rgbe_radiance(at + 7);
