@@ -3,7 +3,6 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
-#include "ctl/row.h"
 #include "base/number.h"
 #include "common/table.h"
 #include "common/tell.h"
@@ -126,9 +125,9 @@ is_state(const json_t *row, const char *state)
     const char *is = json_string_value(json_object_get(row, "state"));
 
     if (strcmp(state, "over") == 0)
-        return row_is_over(row);
+        return lists_is_over(row);
     if (strcmp(state, "open") == 0)
-        return !row_is_over(row) && is && strcmp(is, "forgotten") != 0;
+        return !lists_is_over(row) && is && strcmp(is, "forgotten") != 0;
     return is && strcmp(is, state) == 0;
 }
 

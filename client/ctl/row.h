@@ -5,8 +5,6 @@
 #define CLIENT_ROW_H
 
 #include <jansson.h>
-#include <stdbool.h>
-#include <string.h>
 
 /* A text; "" if the row has none.  Borrowed from the row. */
 static inline const char *
@@ -22,16 +20,6 @@ static inline double
 row_number(const json_t *row, const char *key)
 {
     return json_number_value(json_object_get(row, key));
-}
-
-/* Is a job over? */
-static inline bool
-row_is_over(const json_t *job)
-{
-    const char *is = row_text(job, "state");
-
-    return strcmp(is, "done") == 0 || strcmp(is, "failed") == 0 ||
-           strcmp(is, "cancelled") == 0;
 }
 
 /* The ending of a noun for so many. */

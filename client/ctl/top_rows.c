@@ -142,7 +142,7 @@ in_order(const json_t *rows)
     size_t i;
 
     json_array_foreach(rows, i, row)
-        json_array_append(row_is_over(row) ? over : open, row);
+        json_array_append(lists_is_over(row) ? over : open, row);
     list = lists_served(open);
     json_array_extend(list, over);
     json_decref(open);

@@ -45,6 +45,15 @@ lists_served(const json_t *rows)
     return list;
 }
 
+bool
+lists_is_over(const json_t *job)
+{
+    const char *is = json_string_value(json_object_get(job, "state"));
+
+    return is && (strcmp(is, "done") == 0 || strcmp(is, "failed") == 0 ||
+                  strcmp(is, "cancelled") == 0);
+}
+
 json_t *
 lists_words(const char *text)
 {

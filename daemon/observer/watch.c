@@ -4,6 +4,7 @@
 #include "observer/watch.h"
 
 #include "base/text.h"
+#include "machine/lists.h"
 #include "observer/markup.h"
 
 #include <stdio.h>
@@ -21,15 +22,6 @@ note_change(struct watch *w)
 {
     w->version++;
     w->all->changed(w->all->arg, w);
-}
-
-static bool
-is_over(const struct watch *w)
-{
-    const char *state = markup_member(w->detail, "state");
-
-    return strcmp(state, "done") == 0 || strcmp(state, "failed") == 0 ||
-           strcmp(state, "cancelled") == 0;
 }
 
 /* Write the job's progress as a text.  The picture and the statistics are asked
@@ -77,7 +69,7 @@ new_work(struct watch *w, const struct session_answer *a)
         return NULL;
     k->watch = w;
     k->req.data = k;
-    k->partial = !is_over(w);
+    k->partial = !lists_is_over(w->detail);
     k->n = a->n;
     k->bytes = malloc(a->n + 1);
     if (!k->bytes) {
@@ -337,8 +329,8 @@ ask_due_detail(struct watch *w)
     uint64_t now = uv_now(w->all->loop);
 
     if (!w->row.out && now >= w->row.due_ms &&
-        !(w->detail && is_over(w) && w->stats.answered && w->picture.answered &&
-          now < w->row.due_ms + 10 * DETAIL_MS))
+        !(w->detail && lists_is_over(w->detail) && w->stats.answered &&
+          w->picture.answered && now < w->row.due_ms + 10 * DETAIL_MS))
         ask_detail(w);
 }
 
