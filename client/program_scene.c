@@ -51,23 +51,6 @@ settle_bands(struct program *p)
     p->planes.n = 1;
 }
 
-/* Find how large what is shown is, and where it is. */
-static int
-find_surroundings(struct program *p, struct surroundings *s)
-{
-    struct rad_points points;
-    uint8_t *bytes = NULL;
-    int rc = 0;
-
-    if (p->o.points.file)
-        rc = pointjob_pack(&p->points, &points, &bytes, p->err);
-    if (rc == 0)
-        rc = surroundings_find(s, p->scene.scene, p->frames.list, p->frames.n,
-                               bytes ? &points : NULL, p->err);
-    free(bytes);
-    return rc;
-}
-
 /* Is the place of what is shown to be found? */
 static bool
 lacks_place(const struct program *p)
@@ -75,6 +58,36 @@ lacks_place(const struct program *p)
     const struct rad_params *q = &p->o.params;
 
     return q->surroundings > 1 && !(q->shown[3] > 0) && !p->o.ambient;
+}
+
+/* Find how large what is shown is, and where it is, unless these were given. */
+static int
+find_surroundings(struct program *p)
+{
+    struct rad_params *q = &p->o.params;
+    const struct rad_points *of = NULL;
+    struct rad_points points;
+    struct surroundings s;
+    uint8_t *bytes = NULL;
+    int rc = 0;
+
+    if (p->o.points.file) {
+        rc = pointjob_pack(&p->points, &points, &bytes, p->err);
+        of = bytes ? &points : NULL;
+    }
+    if (rc == 0)
+        rc = surroundings_find(&s, p->scene.scene, p->frames.list, p->frames.n,
+                               of, p->err);
+    if (rc == 0 && q->surroundings == 0) {
+        p->surroundings = s;
+        if (!p->o.ambient)
+            q->surroundings = surroundings_times(&s);
+    }
+    if (rc == 0 && lacks_place(p))
+        rc = surroundings_place(&s, p->frames.list, p->frames.n, of, q->shown,
+                                p->err);
+    free(bytes);
+    return rc;
 }
 
 /* Find how much larger the scene is than what is shown, and where that is,
@@ -85,20 +98,12 @@ static int
 settle_surroundings(struct program *p)
 {
     struct rad_params *q = &p->o.params;
-    struct surroundings s = { 0 };
     int rc = 0;
 
     if ((p->frames.n == 0 && !p->stream.is) || !submit_options_cache(&p->o))
         return 0;
     if (!p->stream.is && (q->surroundings == 0 || lacks_place(p)))
-        rc = find_surroundings(p, &s);
-    if (q->surroundings == 0) {
-        p->surroundings = s;
-        if (!p->o.ambient)
-            q->surroundings = surroundings_times(&s);
-    }
-    if (lacks_place(p))
-        surroundings_place(&s, q->shown);
+        rc = find_surroundings(p);
     if (!p->o.ambres_given)
         q->ambres = surroundings_ambres(q->surroundings, q->ambres);
     return rc;

@@ -311,26 +311,6 @@ look_at_points(struct look *l, const struct rad_points *points, double slack)
     }
 }
 
-/* Let the box hold all eyes of the n frames, or the places of all points: of
- * many frames or points not all are looked at. */
-static int
-hold_eyes(struct surroundings *s, const struct msg_frame *frames, uint32_t n,
-          const struct rad_points *points, struct rad_error *err)
-{
-    double org[3], dir[3];
-    struct rad_view view;
-    int rc = 0;
-
-    for (int y = 0; points && y < points->height; y++)
-        for (int x = 0; x < points->width; x++)
-            if (rad_points_at(points, x, y, org, dir))
-                hold(s, org, 0);
-    for (uint32_t i = 0; !points && i < n && rc == 0; i++)
-        if ((rc = read_view(&view, frames[i].view, err)) == 0)
-            hold(s, view.vp, 0);
-    return rc;
-}
-
 /* Look along `views` of the n frames, or about the points. */
 static int
 look_at_all(struct surroundings *s, struct look *l,
@@ -338,7 +318,7 @@ look_at_all(struct surroundings *s, struct look *l,
             const struct rad_points *points, struct rad_error *err)
 {
     double least = INFINITY, size;
-    int rc = hold_eyes(s, frames, n, points, err);
+    int rc = 0;
 
     for (uint32_t i = 0; i < views && rc == 0; i++) {
         struct rad_view view;
@@ -408,19 +388,47 @@ surroundings_times(const struct surroundings *s)
     return times > 1 ? times : 0;
 }
 
-/* In steps of a power of two, so that a picture's header has short numbers. */
-void
-surroundings_place(const struct surroundings *s, double ball[4])
+/* Let the box hold all eyes of the n frames, or the places of all points: of
+ * many frames or points not all are looked at. */
+static int
+hold_eyes(struct surroundings *s, const struct msg_frame *frames, uint32_t n,
+          const struct rad_points *points, struct rad_error *err)
 {
-    double step = exp2(floor(log2(s->shown / ROUND)));
-    double radius = ceil(sqrt(rad_dist2(s->lo, s->hi)) / 2 / step + 1) * step;
+    double org[3], dir[3];
+    struct rad_view view;
+    int rc = 0;
+
+    for (int y = 0; points && y < points->height; y++)
+        for (int x = 0; x < points->width; x++)
+            if (rad_points_at(points, x, y, org, dir))
+                hold(s, org, 0);
+    for (uint32_t i = 0; !points && i < n && rc == 0; i++)
+        if ((rc = read_view(&view, frames[i].view, err)) == 0)
+            hold(s, view.vp, 0);
+    return rc;
+}
+
+/* In steps of a power of two, so that a picture's header has short numbers. */
+int
+surroundings_place(const struct surroundings *s, const struct msg_frame *frames,
+                   uint32_t n, const struct rad_points *points, double ball[4],
+                   struct rad_error *err)
+{
+    struct surroundings all = *s;
+    double step = exp2(floor(log2(s->shown / ROUND))), radius;
+    int rc;
 
     memset(ball, 0, 4 * sizeof *ball);
-    if (!(s->shown > 0 && isfinite(radius)))
-        return;
+    if (!(s->shown > 0))
+        return 0;
+    rc = hold_eyes(&all, frames, n, points, err);
+    radius = ceil(sqrt(rad_dist2(all.lo, all.hi)) / 2 / step + 1) * step;
+    if (rc < 0 || !isfinite(radius))
+        return rc;
     for (int k = 0; k < 3; k++)
-        ball[k] = floor((s->lo[k] + s->hi[k]) / 2 / step + .5) * step;
+        ball[k] = floor((all.lo[k] + all.hi[k]) / 2 / step + .5) * step;
     ball[3] = radius;
+    return 0;
 }
 
 bool

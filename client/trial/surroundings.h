@@ -16,8 +16,7 @@ struct surroundings {
     double cube;  /* side of the cube about all surfaces */
     double shown; /* diameter of the smallest ball that has most of what a view
                    * meets; the least of all views.  0: not known */
-    double lo[3], hi[3]; /* of a box that holds these balls, and all eyes or
-                          * sensors */
+    double lo[3], hi[3]; /* of a box that holds these balls */
 };
 
 /* Find them for n frames, or for sensor points (else NULL).  RAD_ENOMEM, or
@@ -30,9 +29,13 @@ int surroundings_find(struct surroundings *s, const struct rad_scene *scene,
  * have the same; 0: the scene is not much larger. */
 int surroundings_times(const struct surroundings *s);
 
-/* Set *ball to centre and radius of a ball that holds what is shown, as --shown
- * has them; radius 0: that is not known. */
-void surroundings_place(const struct surroundings *s, double ball[4]);
+/* Set *ball to centre and radius of a ball that holds what is shown, and all
+ * eyes of the n frames, or all sensor points, as --shown has them; radius 0:
+ * that is not known.  RAD_EDATA: a frame's view is none. */
+int surroundings_place(const struct surroundings *s,
+                       const struct msg_frame *frames, uint32_t n,
+                       const struct rad_points *points, double ball[4],
+                       struct rad_error *err);
 
 /* Is the least radius that -ar gives too large for what is shown? */
 bool surroundings_blur(const struct surroundings *s, int ambres);

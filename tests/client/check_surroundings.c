@@ -116,6 +116,15 @@ holds(const double ball[4], double x, double y, double z)
     return rad_dist2(p, ball) <= ball[3] * ball[3];
 }
 
+static void
+place(const struct surroundings *s, const struct msg_frame *frames, uint32_t n,
+      const struct rad_points *points, double ball[4])
+{
+    struct rad_error err;
+
+    ck_assert_int_eq(surroundings_place(s, frames, n, points, ball, &err), 0);
+}
+
 /* Of more frames than are looked at the eyes count. */
 TEST(the_place_of_what_is_shown_is_found)
 {
@@ -126,18 +135,18 @@ TEST(the_place_of_what_is_shown_is_found)
     for (int i = 0; i < 1000; i++)
         frames[i].view = WITHIN;
     s = find(ROOM GROUND, frames, 1, NULL);
-    surroundings_place(&s, ball);
+    place(&s, frames, 1, NULL, ball);
     ck_assert(holds(ball, 4.5, 4.8, 1.6) && holds(ball, 2.5, 2.5, 1.5));
     ck_assert_double_lt(ball[3], 10);
     for (int k = 0; k < 4; k++)
         ck_assert_double_eq(ball[k], floor(8 * ball[k]) / 8);
     frames[999].view = "-vp 2 -60 1 -vd 0 0 1 -vu 0 1 0";
     s = find(ROOM GROUND, frames, 1000, NULL);
-    surroundings_place(&s, ball);
+    place(&s, frames, 1000, NULL, ball);
     ck_assert(holds(ball, 2, -60, 1) && holds(ball, 2.5, 2.5, 1.5));
     ck_assert_double_lt(ball[3], 45);
     s = find(ROOM GROUND, frames + 999, 1, NULL);
-    surroundings_place(&s, ball);
+    place(&s, frames + 999, 1, NULL, ball);
     ck_assert_double_eq(ball[3], 0);
 }
 
@@ -183,10 +192,10 @@ LOOP_TEST(what_sensors_see_is_found, N_ELEM(sensors))
                                      rad_points_bytes(width, height), NULL),
                      0);
     s = find(ROOM GROUND, NULL, 1, &points);
-    free(file);
     ck_assert_double_ge(s.shown, sensors[_i].least);
     ck_assert_double_le(s.shown, sensors[_i].most);
-    surroundings_place(&s, ball);
+    place(&s, NULL, 0, &points, ball);
+    free(file);
     ck_assert_double_lt(ball[3], 9);
     for (uint32_t i = 0; i < n; i++)
         ck_assert(holds(ball, point[i][0], point[i][1], point[i][2]));
