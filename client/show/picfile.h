@@ -22,8 +22,8 @@ bool picfile_is_png(const char *path, enum picfile_format format);
 
 /* Write the picture in hdr[0..n-1] to path (NULL: standard output), whole or
  * not at all: as it is, but for what meets within pixels (image/edge.h), or as
- * PNG by *show, which the picture may settle
- * (show.h).  RAD_EDATA: the bytes are not a picture; errors of output.h. */
+ * PNG by *show, which the picture may settle (show.h).  RAD_EDATA: the bytes
+ * are not a picture; errors of output.h. */
 int picfile_write(const char *path, enum picfile_format format,
                   const uint8_t *hdr, size_t n, bool durable, struct show *show,
                   struct rad_error *err);

@@ -15,7 +15,8 @@
  * now_ms: Unix time [ms], by a clock that was set once, at the start, never
  * goes back, and stands still while the machine sleeps; dates that users read
  * have that sleep (desk_date_ms()).  In tests/sim it is the simulation's own
- * time. Thread: the coordinator's loop. */
+ * time.
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_H
 #define DAEMON_COORD_H
 

@@ -24,9 +24,9 @@
 #include <string.h>
 #include <time.h>
 
-#define FETCH_MS  60000 /* time in which a user fetches all files of a job */
-#define FETCHING  64    /* jobs of a user that may be fetched at once */
-#define LOOK_MS   1000  /* between two looks if no job ended or was fetched */
+#define FETCH_MS 60000 /* time in which a user fetches all files of a job */
+#define FETCHING 64    /* jobs of a user that may be fetched at once */
+#define LOOK_MS  1000  /* between two looks if no job ended or was fetched */
 
 static uint64_t
 since(const struct coord *c, uint64_t ms)

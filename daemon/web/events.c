@@ -13,8 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIGN_MS                                                                \
-    15000 /* after so long without an event a sign of life is sent */
+#define SIGN_MS 15000 /* without an event, until a sign of life is sent */
 
 struct stream {
     struct stream *next;
