@@ -417,21 +417,28 @@ say_goal(struct program *p)
                               "other options, which the header names");
 }
 
+/* Less light than this share is lost in the error that is told. */
+#define LEAST_LEFT_OUT .01
+
 /* The last line. */
 void
 program_say_done(struct program *p)
 {
     const struct outcome *all = &p->result.sum.all;
-    char text[120], s[FIGURE_TEXT], percent[FIGURE_TEXT];
+    char text[200], error[60] = "", left_out[80] = "";
+    char s[FIGURE_TEXT], percent[FIGURE_TEXT];
 
-    figure(s, all->elapsed_s, 3);
     if (p->result.goal.stages > 0)
         say_goal(p);
-    if (all->error > 0 && p->result.goal.stages == 0)
-        snprintf(text, sizeof text, "done in %s s, relative error about %s %%",
-                 s, figure(percent, 100 * all->error, 2));
-    else
-        snprintf(text, sizeof text, "done in %s s", s);
+    else if (all->error > 0)
+        snprintf(error, sizeof error, ", relative error about %s %%",
+                 figure(percent, 100 * all->error, 2));
+    if (all->left_out >= LEAST_LEFT_OUT)
+        snprintf(left_out, sizeof left_out,
+                 "; -ab %d leaves out about %s %% of the light",
+                 p->o.params.ambounce, figure(percent, 100 * all->left_out, 2));
+    snprintf(text, sizeof text, "done in %s s%s%s",
+             figure(s, all->elapsed_s, 3), error, left_out);
     program_news(p, text);
 }
 

@@ -304,6 +304,8 @@ msg_code_progress(struct codec *c, struct msg_progress *b)
     code_u32(c, &b->nan.y);
     code_faults(c, b->faults);
     code_amount(c, &b->error);
+    code_amount(c, &b->left_out);
+    code_read_must(c, b->left_out <= 1);
     code_u8(c, &b->stage);
     code_u8(c, &b->ended);
     code_read_must(c, b->ended <= 1);

@@ -118,6 +118,8 @@ struct msg_progress {
     struct msg_nan nan;    /* in the units that are done; frame is its number */
     struct msg_fault faults[MSG_FAULTS]; /* in the units that are done */
     double error; /* estimated relative error of these units; 0: unknown */
+    double left_out; /* share of their light that comes by more bounces than
+                      * -ab; 0: unknown */
     /* with --error or --time: */
     uint8_t stage;     /* that is under way, or was last; the first is 0 */
     uint8_t ended;     /* 1: no stage follows; rungs are the pictures' */

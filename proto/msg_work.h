@@ -16,7 +16,7 @@ struct msg_ready {
 
 /* Errors that were found by making pixels again: sums of src/picture/doubt.h,
  * each between -1e100 and 1e100. */
-#define MSG_DOUBT_SUMS 6
+#define MSG_DOUBT_SUMS 7
 struct msg_doubt {
     double v[MSG_DOUBT_SUMS];
 };

@@ -11,6 +11,7 @@ outcome_note(struct outcome *o, const struct msg_progress *m)
 {
     o->elapsed_s = m->elapsed_s;
     o->error = m->error;
+    o->left_out = m->left_out;
     o->nan = m->nan;
     memcpy(o->faults, m->faults, sizeof o->faults);
 }
@@ -21,9 +22,11 @@ outcome_add(struct outcome_sum *s, const struct outcome *job, double weight)
     s->all.elapsed_s = fmax(s->all.elapsed_s, s->before_s + job->elapsed_s);
     if (job->error > 0) {
         s->squares += weight * job->error * job->error;
+        s->left_out += weight * job->left_out;
         s->weight += weight;
+        s->all.error = sqrt(s->squares / s->weight);
+        s->all.left_out = s->left_out / s->weight;
     }
-    s->all.error = s->weight > 0 ? sqrt(s->squares / s->weight) : 0;
     msg_nan_add(&s->all.nan, &job->nan);
     msg_faults_add(s->all.faults, job->faults);
 }

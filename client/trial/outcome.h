@@ -12,6 +12,8 @@
 struct outcome { /* zeroed: of a job that has not begun */
     double elapsed_s;
     double error; /* estimated, relative; 0: not known */
+    double left_out; /* share of the light that comes by more bounces than -ab;
+                      * 0: not known */
     struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
 };
@@ -20,8 +22,9 @@ struct outcome { /* zeroed: of a job that has not begun */
 void outcome_note(struct outcome *o, const struct msg_progress *m);
 
 struct outcome_sum {    /* zeroed: of no job */
-    struct outcome all; /* error: the root of the mean of squares */
-    double squares, weight, before_s;
+    struct outcome all; /* error: the root of the mean of squares; left_out: the
+                         * mean */
+    double squares, left_out, weight, before_s;
 };
 
 /* Add a job.  weight: how much its error counts beside that of others; a job of

@@ -342,7 +342,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         done = rows;
     o = json_pack(
         "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
-        "s:f,s:f,s:s,s:i}",
+        "s:f,s:f,s:f,s:s,s:i}",
         "job", job->hex, "name", name, "owner", job->owner, "state",
         job_is(job), "priority", (int)job->spec.priority, "done", done,
         "frames", (json_int_t)job->spec.nframes, "frames_ready",
@@ -351,8 +351,8 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         "units_done", (json_int_t)p.units_done, "units_total",
         (json_int_t)p.units_total, "units_redone", (json_int_t)p.units_redone,
         "rays", (json_int_t)p.rays, "workers", (json_int_t)attempt_workers(job),
-        "elapsed_s", p.elapsed_s, "error", p.error, "text", why(c, job, text),
-        "status", job->status);
+        "elapsed_s", p.elapsed_s, "error", p.error, "left_out", p.left_out,
+        "text", why(c, job, text), "status", job->status);
     if (!o)
         return NULL;
     add_traffic(o, job);

@@ -74,6 +74,14 @@ progress_error(const struct job *job)
     return rad_doubt_error(&d);
 }
 
+double
+progress_left_out(const struct job *job)
+{
+    struct rad_doubt d = sums_counted(&job->doubt);
+
+    return rad_doubt_left_out(&d);
+}
+
 void
 progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
 {
@@ -100,6 +108,7 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .elapsed_s = (double)(until - job->submit_ms) / 1000,
         .nan = job->nan,
         .error = progress_error(job).all,
+        .left_out = progress_left_out(job),
         .stage = (uint8_t)job->goal.number,
         .ended = job->goal.ended,
         .rungs = { job->goal.rungs[0], job->goal.rungs[1] },

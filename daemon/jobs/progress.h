@@ -28,6 +28,9 @@ void progress_count_tiles(struct job *job, const struct msg_counts *counts);
 /* The estimated error of the pixels in units that are done. */
 struct rad_error_estimate progress_error(const struct job *job);
 
+/* The share of their light that -ab leaves out; 0: not known. */
+double progress_left_out(const struct job *job);
+
 /* Fill in the PROGRESS message of the job, but for its workers: 0. */
 void progress_tell(const struct job *job, uint64_t now_ms,
                    struct msg_progress *p);

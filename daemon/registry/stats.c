@@ -282,7 +282,7 @@ head(const struct job *job, uint64_t now_ms)
         msg_job_format(s->reuse, reuse);
     o = json_pack(
         "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:s,s:I,s:{s:I,s:I,s:I,s:o},"
-        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o,s:o,s:o}",
+        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f,s:f},s:o,s:o,s:o}",
         "job", job->hex, "radd", PACKAGE_VERSION, "options",
         said ? options : goal_options(job), "partition",
         partition_kind_name(p ? partition_kind(p) : s->partition), "choice",
@@ -294,8 +294,9 @@ head(const struct job *job, uint64_t now_ms)
         "width", (json_int_t)size.width, "height", (json_int_t)size.height,
         "frames", (json_int_t)s->nframes, "time", times(job, now_ms), "totals",
         totals(job), "error", "estimate", error.all, "ambient", error.ambient,
-        "sampling", error.sampling, "workers", workers(job), "passes",
-        passes(job), "running", running(job, now_ms));
+        "sampling", error.sampling, "left_out", progress_left_out(job),
+        "workers", workers(job), "passes", passes(job), "running",
+        running(job, now_ms));
     return with_goal(o, job);
 }
 

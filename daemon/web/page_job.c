@@ -45,6 +45,7 @@ put_error(struct markup *m, const struct watch *w)
     const json_t *of = json_object_get(w->units.head, "error");
     double error = markup_number(w->detail, "estimated_error");
     double goal = markup_number(w->detail, "goal_error");
+    double left_out = markup_number(of, "left_out");
 
     if (!(error > 0))
         error = markup_number(of, "estimate");
@@ -55,6 +56,11 @@ put_error(struct markup *m, const struct watch *w)
     markup_print(m, "%.2g %%", 100 * error);
     if (goal > 0)
         markup_print(m, " <span class=\"dim\">of %.2g %%</span>", 100 * goal);
+    if (left_out >= .01)
+        markup_print(m,
+                     " <span class=\"dim\">and %.2g %% of the light "
+                     "left out by -ab</span>",
+                     100 * left_out);
     end_fact(m);
 }
 

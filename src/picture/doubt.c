@@ -48,6 +48,11 @@
 
 #define MOST_ERROR 1e6
 
+/* The largest ratio of light beyond -ab to a pixel's light, and the number of
+ * further bounces that a path may have: white rooms get dark by them. */
+#define MOST_BEYOND 20.
+#define FURTHER     64
+
 /* The number of areas, if none has contrast, and the number of places that are
  * looked at in a picture. */
 #define AREAS  600.
@@ -286,16 +291,53 @@ square_at(struct look *k, const int pixel_at[2], double cached, double weight)
     return mean > 0 ? bound(d[FIRST] * d[SECOND] / (mean * mean)) : 0;
 }
 
+/* Does the cache tell what comes by more bounces than it has? */
+static bool
+may_walk(const struct rad_params *p)
+{
+    return p->ambounce > 1 && !(rad_rgb_max(p->ambval) > 0) && !(p->ambvwt > 0);
+}
+
+/* The mean, over the tried pixels, of light beyond -ab, relative to the pixel's
+ * light: by one path from each, without -lr, and with roulette for -lw. */
+static double
+beyond(struct look *k, const struct tried *t)
+{
+    struct rad_params *p = &k->exact.params;
+    const struct rad_params own = *p;
+    double sum = 0;
+
+    if (!may_walk(p))
+        return 0;
+    p->ambdiv = 1;
+    p->ambssamp = 0;
+    p->ambounce += FURTHER;
+    p->maxdepth = 0;
+    k->ctx->walk = own.ambounce;
+    k->ctx->no_direct = true;
+    for (int i = 0; i < RAD_DOUBT_TRIED; i++) {
+        k->ctx->beyond = 0;
+        pixel(k, FIRST, t->at[i][0], t->at[i][1]);
+        if (t->lum[i] > 0)
+            sum += fmin(k->ctx->beyond / t->lum[i], MOST_BEYOND);
+    }
+    k->ctx->walk = 0;
+    k->ctx->no_direct = false;
+    *p = own;
+    return sum / RAD_DOUBT_TRIED;
+}
+
 static void
 look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
 {
     struct tried t = { .at = at };
-    double said, weight, square;
+    double said, more, weight, square;
     int i;
 
     /* one ray is enough: all samples of a pixel ask for the same records */
     k->exact.params.samples = 1;
     said = try_places(k, &t);
+    more = beyond(k, &t);
     i = choose(k, &t, &weight);
     square = square_at(k, at[i], t.lum[i], weight);
     if (is_stopped(k))
@@ -303,6 +345,7 @@ look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
     k->sum[RAD_DOUBT_PLACES] += 1;
     k->sum[RAD_DOUBT_AMBIENT] += weight * square;
     k->sum[RAD_DOUBT_SAID] += said;
+    k->sum[RAD_DOUBT_BEYOND] += more;
 }
 
 /* --- areas --- */
@@ -664,6 +707,17 @@ rad_doubt_error(const struct rad_doubt *d)
         fmin(sqrt(s.ambient), MOST_ERROR), fmin(sqrt(s.sampling), MOST_ERROR),
         fmin(sqrt(s.ambient + s.sampling), MOST_ERROR)
     };
+}
+
+double
+rad_doubt_left_out(const struct rad_doubt *d)
+{
+    double n = d->v[RAD_DOUBT_PLACES], more;
+
+    if (!(n >= 1))
+        return 0;
+    more = sound(d->v[RAD_DOUBT_BEYOND] / n);
+    return more / (1 + more);
 }
 
 /* The square of the places' summed error, less the part that their noise is

@@ -14,8 +14,10 @@
  * with noise of its own.  So the mean product of the two differences is the
  * mean square of the error.  Errors are relative to the light of the area or
  * place; a picture's error is the root mean square over areas.
- * Light that both renderings lack does not show: bounces beyond -ab, and light
- * that hemispheres cannot find.
+ * Light that both renderings lack does not show: light that hemispheres cannot
+ * find, and bounces beyond -ab.  These are estimated apart: from places paths
+ * are followed by -ab bounces and more, to surfaces whose indirect light the
+ * cache knows.
  * Thread: any, each with a context of its own. */
 #ifndef RAD_PICTURE_DOUBT_H
 #define RAD_PICTURE_DOUBT_H
@@ -31,6 +33,8 @@ enum rad_doubt_sum {
     RAD_DOUBT_SAID,    /* squares of these errors, as records predict them for
                         * areas: errors of records average out in an area in
                         * which many records serve */
+    RAD_DOUBT_BEYOND,  /* light of more bounces than -ab at places, relative to
+                        * the light that they have */
     RAD_DOUBT_AREAS,   /* number of areas that the areas looked at stand for */
     RAD_DOUBT_PIXEL,   /* products of the areas' relative errors */
     RAD_DOUBT_PIXEL2,  /* squares of these products */
@@ -52,6 +56,11 @@ struct rad_error_estimate {
 /* The relative errors that the sums stand for, whatever the sums are: each
  * result is a number from 0 to 1e6, and 1e6 means that nothing is right. */
 struct rad_error_estimate rad_doubt_error(const struct rad_doubt *d);
+
+/* The share of all light, from 0 to 1, that the picture lacks because it comes
+ * by more bounces than -ab: a mean over places.  0 where it is not known:
+ * without a cache, with -ab 1, and with -av or -aw, which stand for it. */
+double rad_doubt_left_out(const struct rad_doubt *d);
 
 /* The squares of .ambient and .sampling, and of the part of .sampling that
  * would be left if every pixel were traced. */

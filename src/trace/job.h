@@ -149,6 +149,10 @@ struct rad_ctx {
                      * added; the user sets it to 0 */
     struct rad_ambserving *serving; /* gets the records that serve in a pixel
                                      * (light/indirect); NULL: not wanted */
+    int walk;      /* not 0: indirect light is followed along a single path, to
+                    * find what comes by more than so many bounces */
+    double beyond; /* luminance that such paths bring to a pixel; the user sets
+                    * it to 0 */
     bool fresh;  /* find no records at points that pixels show: sample for the
                   * point alone */
     bool aside;  /* keep no record */

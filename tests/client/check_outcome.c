@@ -6,10 +6,12 @@
 
 static const struct outcome first = { .elapsed_s = 3,
                                       .error = .03,
+                                      .left_out = .1,
                                       .nan = { .pixels = 2, .x = 5, .y = 1 },
                                       .faults = { { 4, 10 }, { 7, 1 } } };
 static const struct outcome second = { .elapsed_s = 2,
                                        .error = .04,
+                                       .left_out = .2,
                                        .nan = { .pixels = 1, .x = 8, .y = 0 },
                                        .faults = { { 2, 5 }, { 4, 20 } } };
 
@@ -41,6 +43,7 @@ TEST(errors_have_the_root_of_their_mean_square)
     outcome_add(&s, &second, 9);
     ck_assert_double_eq_tol(16 * s.all.error * s.all.error,
                             7 * .0009 + 9 * .0016, 1e-15);
+    ck_assert_double_eq_tol(16 * s.all.left_out, 7 * .1 + 9 * .2, 1e-14);
 }
 
 TEST(times_add_up_unless_jobs_run_side_by_side)

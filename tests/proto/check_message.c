@@ -60,7 +60,7 @@ static const struct msg examples[] = {
     { .type = MSG_PROGRESS, .request = 3,
       .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5,
                     { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } }, .0625,
-                    2, 1, { 3, 4 }, .125 } },
+                    .5, 2, 1, { 3, 4 }, .125 } },
     { .type = MSG_DONE, .request = 3, .done = { ID, 2 } },
     { .type = MSG_FAILED, .request = 3, .failed = { ID, 70, "no light" } },
     { .type = MSG_CANCEL, .request = 4, .cancel = { ID } },

@@ -307,10 +307,11 @@ print_error(const struct rad_frame *f, struct rad_ctx *ctx,
     }
     e = rad_doubt_error(&found);
     fprintf(stderr,
-            "error %.4f ambient %.4f sampling %.4f places %.0f areas %.0f "
-            "rays %" PRIu64 "\n",
-            e.all, e.ambient, e.sampling, found.v[RAD_DOUBT_PLACES],
-            found.v[RAD_DOUBT_AREAS], ctx->counts.rays - rays);
+            "error %.4f ambient %.4f sampling %.4f left out %.4f places %.0f "
+            "areas %.0f rays %" PRIu64 "\n",
+            e.all, e.ambient, e.sampling, rad_doubt_left_out(&found),
+            found.v[RAD_DOUBT_PLACES], found.v[RAD_DOUBT_AREAS],
+            ctx->counts.rays - rays);
 }
 
 static int

@@ -510,7 +510,7 @@ rad_hemi_sample(struct rad_ctx *ctx, const struct rad_ray *r,
 {
     bool no_direct = ctx->no_direct, ok;
 
-    ctx->no_direct = false;
+    ctx->no_direct = ctx->walk > 0;
     ok = sample(ctx, r, plan, h);
     ctx->no_direct = no_direct;
     return ok;

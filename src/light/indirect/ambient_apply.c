@@ -224,7 +224,7 @@ sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
     return ok;
 }
 
-/* --- use --- */
+/* --- where a ray is --- */
 
 /* Diffuse bounces on the way to r's hit. */
 static int
@@ -236,6 +236,17 @@ bounces(const struct rad_ray *r)
         if (r->kind & RAD_RAY_AMBIENT)
             n++;
     return n;
+}
+
+/* The luminance that light L at r's hit brings to the pixel. */
+static double
+through(const struct rad_ray *r, struct rad_rgb L)
+{
+    double lum = rad_rgb_lum(L);
+
+    for (; r; r = r->parent)
+        lum *= rad_rgb_lum(r->coef);
+    return lum;
 }
 
 /* Are records of the place's level made now?  In a frozen cache each level has
@@ -292,6 +303,50 @@ constant_radiance(const struct rad_ctx *ctx)
     return rad_rgb_scale(av, rad_exp(sum / (par->ambvwt + n)) / lum);
 }
 
+/* --- light beyond -ab --- */
+
+/* With -ab n, which is ctx->walk, a pixel has n bounces of indirect light. What
+ * it lacks comes to the n-th surface of a path from there.  A record of level 1
+ * at that surface knows n - 1 bounces of it; what that record lacks comes to
+ * the surface n - 1 bounces further, and so on. */
+static bool
+is_surface_asked(const struct rad_ctx *ctx, int level)
+{
+    int beyond = level - ctx->walk;
+
+    return beyond >= 0 && beyond % (ctx->walk - 1) == 0;
+}
+
+/* Add what a record of level 1 brings from r's hit to the pixel. */
+static void
+note_beyond(struct rad_ctx *ctx, const struct rad_ray *r,
+            const struct rad_ambplace *at, const struct rad_rgb *coef)
+{
+    struct rad_ambplace deep = *at;
+    struct rad_ambasker asker = { .counts = &ctx->counts.geom,
+                                  .rays = &ctx->counts.rays };
+    struct rad_ambsaid said;
+
+    deep.level = 1;
+    deep.weight = LIGHT * RAD_AMBIENT_MEAN_REFLECTANCE; /* any record serves */
+    rad_ambient_ask(ctx->job->ambient, &deep, &asker, &said);
+    if (said.weight > LEAST_FAR_WEIGHT)
+        ctx->beyond += through(r, rad_rgb_mul(*coef, said.E)) / M_PI;
+}
+
+/* Follow a path on from r's hit. */
+static bool
+walk_on(struct rad_ctx *ctx, const struct rad_ray *r,
+        const struct rad_ambplace *at, bool behind, const struct rad_rgb *coef,
+        struct rad_rgb *E)
+{
+    if (is_surface_asked(ctx, at->level))
+        note_beyond(ctx, r, at, coef);
+    return sample_here(ctx, r, at, behind, coef, E);
+}
+
+/* --- use --- */
+
 /* Set *E at the place, interpolated or sampled, and *off to its expected
  * squared error, over its square.  False: no ray could be traced; or records
  * serve, and E itself is not wanted, since a tile asks for records only. */
@@ -308,6 +363,8 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
 
     if (!ctx->job->ambient)
         return sample_here(ctx, r, at, behind, coef, E);
+    if (ctx->walk > 0)
+        return walk_on(ctx, r, at, behind, coef, E);
     due = is_due(ctx, at);
     asker.only = ctx->tile && ctx->no_direct && due;
     asker.fresh = ctx->fresh && at->level == 0;
@@ -327,16 +384,11 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     return true;
 }
 
-/* Add to the pixel's doubt that light L at r's hit has the expected squared
- * error `off`, over its square. */
+/* Add to the pixel's doubt that light of luminance `lum` in it has the expected
+ * squared error `off`, over its square. */
 static void
-note_doubt(struct rad_ctx *ctx, const struct rad_ray *r, struct rad_rgb L,
-           double off)
+note_doubt(struct rad_ctx *ctx, double lum, double off)
 {
-    double lum = rad_rgb_lum(L);
-
-    for (; r; r = r->parent)
-        lum *= rad_rgb_lum(r->coef);
     ctx->doubt += lum * lum * off;
     if (ctx->serving)
         rad_ambserving_scale(ctx->serving, lum);
@@ -374,7 +426,7 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
         if (irradiance(ctx, r, &at, behind, coef, &E, &off)) {
             *coef = rad_rgb_scale(rad_rgb_mul(*coef, E), 1 / M_PI);
             if (at.level == 0)
-                note_doubt(ctx, r, *coef, off);
+                note_doubt(ctx, through(r, *coef), off);
             return;
         }
     }

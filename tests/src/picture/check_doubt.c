@@ -34,13 +34,18 @@ tear_down(void)
 FIXTURE(NULL, tear_down)
 
 static void
-make(const char *options)
+make_of(const char *scene, const char *view, const char *options)
 {
     picture_close(&pic);
-    world_open(&pic.w, scene_text, options);
-    world_frame(&pic.w, "-vp 0 -4.9 2.5 -vd 0 1 -.3 -vh 80 -vv 80", false,
-                &pic.frame);
+    world_open(&pic.w, scene, options);
+    world_frame(&pic.w, view, false, &pic.frame);
     picture_render(&pic);
+}
+
+static void
+make(const char *options)
+{
+    make_of(scene_text, "-vp 0 -4.9 2.5 -vd 0 1 -.3 -vh 80 -vv 80", options);
 }
 
 /* Make one of so many pixels again, by lines of n rows. */
@@ -300,6 +305,49 @@ TEST(parts_add_by_their_squares)
     ck_assert_double_gt(rad_doubt_error(&d).sampling, 0);
 }
 
+/* In a sphere of reflectance r with a small lamp in its middle each bounce
+ * brings r times the light of the one before, everywhere (a series of powers):
+ * of all light, the lamp's own too, r^(n + 1) is lacking after n bounces. */
+LOOP_TEST(light_beyond_the_last_bounce_is_known, 6)
+{
+    static const double reflectance[] = { .3, .8 };
+    static const int bounces[] = { 2, 3, 5 };
+    double r = reflectance[_i % 2];
+    int n = bounces[_i / 2];
+    char scene[300], options[200];
+    struct rad_doubt d;
+
+    snprintf(scene, sizeof scene,
+             "void light lamp 0 0 3 1e6 1e6 1e6\n"
+             "lamp sphere bulb 0 0 4 0 0 0 .001\n"
+             "void plastic wall 0 0 5 %g %g %g 0 0\n"
+             "wall bubble room 0 0 4 0 0 0 5\n",
+             r, r, r);
+    snprintf(options, sizeof options,
+             "-x 40 -y 40 -ab %d -aa .3 -ar 16 -ad 256 -as 0 -ps 1 -lw 0", n);
+    make_of(scene, "-vp 0 1 0 -vd 0 1 0 -vh 60 -vv 60", options);
+    d = look(5, (struct rad_doubt_share){ 0, .02 });
+    ck_assert_double_gt(d.v[RAD_DOUBT_PLACES], 20);
+    ck_assert_double_eq_tol(rad_doubt_left_out(&d) / pow(r, n + 1), 1, .01);
+}
+
+/* Nothing is said where no record knows it, and where -av or -aw stand for what
+ * is lacking. */
+LOOP_TEST(light_beyond_the_last_bounce_may_be_unknown, 5)
+{
+    static const char *const other[] = { "-ab 1", "-aa 0 -ad 4", "-av .1 .1 .1",
+                                         "-aw 32", "-ab 0" };
+    char options[200];
+    struct rad_doubt d;
+
+    snprintf(options, sizeof options,
+             "-x 30 -y 30 -ab 2 -aa .5 -ar 8 -ad 16 -as 0 -ps 1 -pa 1 %s",
+             other[_i]);
+    make(options);
+    d = look(3, (struct rad_doubt_share){ 0, .02 });
+    ck_assert_double_eq(rad_doubt_left_out(&d), 0);
+}
+
 static const double wild[] = { 0,   -1,    1e-300, 1,        1e99,
                                NAN, -1e99, 1e300,  INFINITY, -INFINITY };
 
@@ -308,7 +356,7 @@ LOOP_TEST(an_error_is_a_number, N_ELEM(wild))
 {
     for (int k = 0; k < RAD_DOUBT_SUMS; k++)
         for (int i = 0; i < (int)(sizeof wild / sizeof *wild); i++) {
-            struct rad_doubt d = { { 1, 1, 1, 1, 1, 1, 1 } };
+            struct rad_doubt d = { { 1, 1, 1, 1, 1, 1, 1, 1 } };
             struct rad_error_estimate e;
 
             d.v[k] = wild[i];
@@ -317,5 +365,7 @@ LOOP_TEST(an_error_is_a_number, N_ELEM(wild))
             ck_assert(e.ambient >= 0 && e.ambient <= 1e6);
             ck_assert(e.sampling >= 0 && e.sampling <= 1e6);
             ck_assert(e.all >= 0 && e.all <= 1e6);
+            ck_assert(rad_doubt_left_out(&d) >= 0);
+            ck_assert(rad_doubt_left_out(&d) <= 1);
         }
 }
