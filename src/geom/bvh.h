@@ -180,7 +180,7 @@ rad_bvh_limit(const struct rad_bvh *bvh, double t)
 struct rad_kernel {
     const char *name;
     bool (*usable)(void); /* has this processor the instructions? */
-    /* does the ray meet p, which is no place?  Uses only probe, tmin and cut */
+    /* does the ray meet p?  False for a place.  Uses only probe, tmin, cut */
     bool (*one)(const struct rad_walk *w, const struct rad_prim *p,
                 double t[2]);
     /* find the nearest hit: w->best, w->prim, w->tie */

@@ -122,7 +122,7 @@ lay_polygons(const struct making *mk, struct rad_error *err)
         struct rad_prim *p = &mk->set->prims[i];
         double *room;
 
-        if (p->kind != PRIM_POLYGON)
+        if (p->kind != PRIM_POLYGON && p->kind != PRIM_WARPED)
             continue;
         room =
             rad_arena_alloc(&mk->g->arena, rad_polygon_room(p) * sizeof *room);

@@ -136,7 +136,7 @@ rad_geom_faces(const struct rad_geom *g, const struct rad_line *line, int i,
     struct rad_probe probe;
     struct rad_hit hit;
 
-    if (p->kind == PRIM_POLYGON || p->kind == PRIM_RING)
+    if (rad_prim_is_flat(p))
         return rad_dot(p->k, span->dir) < 0;
     rad_copy(probe.org, span->org);
     rad_copy(probe.dir, span->dir);

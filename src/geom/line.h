@@ -26,10 +26,9 @@ double rad_line_note(const struct rad_walk *w, uint32_t i, const double t[2]);
 static inline bool
 rad_line_passes(const struct rad_prim *p, const struct rad_probe *r)
 {
-    bool flat = p->kind == PRIM_POLYGON || p->kind == PRIM_RING;
-
     return p->surf & RAD_SURF_PASSED ||
-           (p->surf & RAD_SURF_ONESIDED && flat && rad_dot(p->k, r->dir) > 0);
+           (p->surf & RAD_SURF_ONESIDED && rad_prim_is_flat(p) &&
+            rad_dot(p->k, r->dir) > 0);
 }
 
 /* Let w's line end before the first two entries that may tie.  True: those are

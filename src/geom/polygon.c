@@ -1,4 +1,4 @@
-/* polygon.c - flat faces of any number of vertices, concave or with holes
+/* polygon.c - faces of any number of vertices, concave or with holes
  *
  * The test of a ray is in polygon.h; this file is what runs once or seldom. */
 #include "config.h"
@@ -8,10 +8,11 @@
 #include "base/vec.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Vertices of a frozen octree have 31 bits of mantissa, so a flat face may come
  * back warped by this part of its coordinates.  Warps beyond that are the
- * author's, and no rounding error. */
+ * author's, and no rounding error: the face is PRIM_WARPED. */
 #define STORED_ROUND 0x1p-30
 
 /* Twice the area times the normal (the sum of cross products in a fan around
@@ -39,7 +40,7 @@ rad_polygon_make(struct rad_prim *p, const struct rad_object *o)
 {
     const double *v = o->reals;
     int nv = o->nreals / 3;
-    double size2, mean = 0, low = 0, high = 0, big = 0;
+    double size2, mean = 0, low = 0, high = 0, big = 0, warp;
 
     if (nv < 3)
         return false;
@@ -63,44 +64,89 @@ rad_polygon_make(struct rad_prim *p, const struct rad_object *o)
     p->k[3] = rad_dot(p->k, v) + mean;
     if (!(fabs(p->k[3]) <= big * 4 && big < INFINITY))
         return false; /* there is a NaN */
-    p->kind = PRIM_POLYGON;
+    warp = fmax(high - mean, mean - low);
+    p->kind = warp > STORED_ROUND * big ? PRIM_WARPED : PRIM_POLYGON;
     p->v = v;
     p->nv = nv;
-    p->slack = (float)(RAD_GEOM_ROUND * 3 * big +
-                       fmin(fmax(high - mean, mean - low), STORED_ROUND * big));
+    p->slack =
+        (float)(RAD_GEOM_ROUND * 3 * big + fmin(warp, STORED_ROUND * big));
     return true;
 }
 
-void
-rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box)
+/* Of a polygon before it is laid. */
+static void
+warp_of(const struct rad_prim *p, struct rad_warp *warp)
 {
-    double warp = 0;
+    struct rad_box *box = &warp->box;
 
+    warp->most = 0;
     rad_copy(box->lo, p->v);
     rad_copy(box->hi, p->v);
     for (const double *v = p->v; v < p->v + 3 * p->nv; v += 3) {
-        warp = fmax(warp, fabs(rad_dot(p->k, v) - p->k[3]));
+        warp->most = fmax(warp->most, fabs(rad_dot(p->k, v) - p->k[3]));
         for (int i = 0; i < 3; i++) {
             box->lo[i] = v[i] < box->lo[i] ? v[i] : box->lo[i];
             box->hi[i] = v[i] > box->hi[i] ? v[i] : box->hi[i];
         }
     }
+}
+
+void
+rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box)
+{
+    struct rad_warp warp;
+
+    warp_of(p, &warp);
     for (int i = 0; i < 3; i++) { /* hit points lie on the mean plane */
-        box->lo[i] -= warp * fabs(p->k[i]);
-        box->hi[i] += warp * fabs(p->k[i]);
+        box->lo[i] = warp.box.lo[i] - warp.most * fabs(p->k[i]);
+        box->hi[i] = warp.box.hi[i] + warp.most * fabs(p->k[i]);
     }
 }
 
 void
 rad_polygon_lay(struct rad_prim *p, double *to)
 {
-    size_t n = rad_polygon_room(p) / 3;
+    size_t n = rad_polygon_laid(p);
     const double *v = p->v;
+    struct rad_warp warp;
 
     for (size_t i = 0; i < n; i++)
         for (size_t a = 0; a < 3; a++)
             to[a * n + i] = v[i < (size_t)p->nv ? 3 * i + a : a];
+    if (p->kind == PRIM_WARPED) {
+        warp_of(p, &warp);
+        memcpy(to + 3 * n, &warp, sizeof warp);
+    }
     p->v = to;
+}
+
+/* Rays that leave the face begin by rounding beyond its plane, and no farther
+ * from the box than the face's hit points, which have been moved onto the plane
+ * along the normal. */
+double
+rad_warped_depth(const struct rad_prim *p, const struct rad_probe *r,
+                 double tmin, double s)
+{
+    const struct rad_warp *warp = rad_polygon_warp(p);
+    const double *lo = warp->box.lo, *hi = warp->box.hi;
+    double enter = -INFINITY, leave = INFINITY;
+    bool here = s <= tmin;
+
+    for (int i = 0; i < 3; i++) {
+        double at = r->org[i] + tmin * r->dir[i], off = 2 * warp->most;
+        double a = (lo[i] - r->org[i]) * r->rcp[i];
+        double b = (hi[i] - r->org[i]) * r->rcp[i];
+
+        here &= (at >= lo[i] - off) & (at <= hi[i] + off);
+        if (!(fabs(r->rcp[i]) < INFINITY))
+            continue;
+        enter = rad_most(enter, rad_least(a, b));
+        leave = rad_least(leave, rad_most(a, b));
+    }
+    if (here)
+        return NAN;
+    s = s > enter ? s : enter; /* a NaN becomes enter */
+    return s < leave ? s : leave;
 }
 
 /* The point is moved onto the plane along the normal, so that its error depends

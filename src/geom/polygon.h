@@ -1,4 +1,4 @@
-/* polygon.h - the test of a ray against a flat face (inside geom/ only)
+/* polygon.h - the test of a ray against a face (inside geom/ only)
  *
  * The test is in a header so that each kernel inlines it, compiled for its own
  * instruction set: most of a ray's time is spent here.
@@ -18,9 +18,11 @@
  * A ray that meets an edge exactly meets both of its faces, so that the tie
  * rule chooses between them and not the direction of an edge.
  *
- * The distance comes from the plane (for faces that are not quite flat, at the
- * mean offset) and is kept between those of the nearest and the farthest vertex
- * along the ray: for a face seen edge-on the quotient would be noise. */
+ * The distance comes from the plane and is kept between those of the nearest
+ * and the farthest vertex along the ray: for a face seen edge-on the quotient
+ * would be noise.  A face that is not flat lies in the plane at the mean offset
+ * of its vertices, where Radiance has it, too.  A ray that passes between its
+ * edges all but along it meets that plane anywhere; see rad_warped_depth(). */
 #ifndef RAD_GEOM_POLYGON_H
 #define RAD_GEOM_POLYGON_H
 
@@ -113,7 +115,7 @@ static inline __attribute__((always_inline)) bool
 rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
                    bool edges, double *zlo, double *zhi)
 {
-    size_t n = rad_polygon_room(p) / 3;
+    size_t n = rad_polygon_laid(p);
     struct rad_edges s = { .odd = { 0 }, .met = { 0 } };
     rad_v4d x, y, x0, y0, z;
     double lo, hi;
@@ -134,9 +136,23 @@ rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
     return rad_edges_inside(&s, edges);
 }
 
+static inline const struct rad_warp *
+rad_polygon_warp(const struct rad_prim *p)
+{
+    return (const void *)(p->v + 3 * rad_polygon_laid(p));
+}
+
+/* Where a ray that passes between a warped face's edges, and meets its plane at
+ * s, meets the face: there, but within the box of the vertices.  So a tree that
+ * knows that box finds it.  NAN: nowhere, since the ray begins on the face and
+ * is beyond its plane. */
+double rad_warped_depth(const struct rad_prim *p, const struct rad_probe *r,
+                        double tmin, double s);
+
+/* warped: is it a PRIM_WARPED? */
 static inline __attribute__((always_inline)) bool
-rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
-                double tmin, double tmax, double *t)
+rad_face_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
+             double tmax, double *t, bool warped)
 {
     double den = rad_dot(p->k, r->dir);
     double num = p->k[3] - rad_dot(p->k, r->org);
@@ -144,6 +160,8 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
     double sign = copysign(1, den), rcp, zlo, zhi, lo, hi, s;
     bool edges;
 
+    if (warped)
+        err += rad_polygon_warp(p)->most;
     den *= sign;
     num *= sign;
     /* beyond the limits, rounding or not; this needs no division */
@@ -154,6 +172,10 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
     if (!(p->nv <= 4 ? rad_quad_inside(p, r, edges, &zlo, &zhi)
                      : rad_polygon_inside(p, r, edges, &zlo, &zhi)))
         return false;
+    if (warped) {
+        *t = s = rad_warped_depth(p, r, tmin, num / den);
+        return s > tmin && s < tmax;
+    }
     rcp = r->rcp[r->kz];
     lo = (rcp > 0 ? zlo : zhi) * rcp;
     hi = (rcp > 0 ? zhi : zlo) * rcp;
@@ -162,26 +184,6 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
     s = s < hi ? s : hi;
     *t = s;
     return s > tmin && s < tmax;
-}
-
-/* Test p by its family; a place belongs to none.  t[0] gets the distance; t[1]
- * is as for rad_sphere_hit() and rad_cone_hit(), and not set for others. */
-static inline __attribute__((always_inline)) bool
-rad_prim_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
-             double tmax, double t[2])
-{
-    switch (p->kind) {
-    case PRIM_POLYGON:
-        return rad_polygon_hit(p, r, tmin, tmax, t);
-    case PRIM_SPHERE:
-        return rad_sphere_hit(p, r, tmin, tmax, t);
-    case PRIM_CONE:
-        return rad_cone_hit(p, r, tmin, tmax, t);
-    case PRIM_RING:
-        return rad_ring_hit(p, r, tmin, tmax, t);
-    default:
-        return false;
-    }
 }
 
 #endif

@@ -79,6 +79,7 @@ rad_prim_bounds(const struct rad_prim *p, struct rad_box *box)
 {
     switch (p->kind) {
     case PRIM_POLYGON:
+    case PRIM_WARPED:
         rad_polygon_bounds(p, box);
         break;
     case PRIM_SPHERE:

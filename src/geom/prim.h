@@ -39,7 +39,8 @@ enum rad_prim_kind {
     PRIM_SPHERE,
     PRIM_CONE, /* cone, cup, cylinder, tube */
     PRIM_RING,
-    PRIM_PLACE /* instance, mesh: see place.h */
+    PRIM_WARPED, /* a polygon that is not flat */
+    PRIM_PLACE   /* instance, mesh: see place.h */
 };
 
 struct rad_cone;  /* cone.c */
@@ -123,18 +124,41 @@ bool rad_prim_bounded(const struct rad_prim *p);
 /* Bounds that contain every point that a hit can have. */
 void rad_prim_bounds(const struct rad_prim *p, struct rad_box *box);
 
+/* What the test of a warped face needs besides its vertices. */
+struct rad_warp {
+    struct rad_box box; /* of the vertices */
+    double most;        /* how far from the plane one of them is */
+};
+
+/* The number of a polygon's vertices in the layout of the test. */
+static inline size_t
+rad_polygon_laid(const struct rad_prim *p)
+{
+    return ((size_t)p->nv + 3) & ~(size_t)3;
+}
+
 /* The number of doubles that rad_polygon_lay() needs. */
 static inline size_t
 rad_polygon_room(const struct rad_prim *p)
 {
-    return 3 * (((size_t)p->nv + 3) & ~(size_t)3);
+    return 3 * rad_polygon_laid(p) +
+           (p->kind == PRIM_WARPED ? sizeof(struct rad_warp) / sizeof(double)
+                                   : 0);
 }
 
 /* Copy the vertices of a compiled polygon to `to`, which must live as long as
  * p, in the layout of the test: all x, all y, all z, each filled up to a
- * multiple of four with the first vertex's.  rad_prim_bounds() works only
- * before this. */
+ * multiple of four with the first vertex's; a warped face's struct rad_warp
+ * follows.  rad_prim_bounds() works only before this. */
 void rad_polygon_lay(struct rad_prim *p, double *to);
+
+/* Does all of p have one normal, p->k? */
+static inline bool
+rad_prim_is_flat(const struct rad_prim *p)
+{
+    return p->kind == PRIM_POLYGON || p->kind == PRIM_WARPED ||
+           p->kind == PRIM_RING;
+}
 
 void rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_sphere_bounds(const struct rad_prim *p, struct rad_box *box);

@@ -161,6 +161,117 @@ LOOP_TEST(tree_finds_what_testing_all_finds, 2 * N_ELEM(place))
     geom_scene_release(&g);
 }
 
+/* A face of 4 to 7 vertices that lie up to `warp` off a plane, in the frame
+ * `axis` about c.  Returns the number of vertices. */
+static int
+warped_face(uint64_t key, double warp, double v[21], double axis[3][3],
+            double c[3])
+{
+    int n = 4 + (int)geom_rand(key, 4, 0, 4);
+
+    geom_rand_dir(key, 2, axis[2]);
+    rad_frame(axis[0], axis[1], axis[2]);
+    for (int i = 0; i < 3; i++)
+        c[i] = geom_rand(key, (uint32_t)(5 + i), -2, 2);
+    for (int i = 0; i < n; i++) {
+        double a = 6.283185307179586 * i / n;
+
+        rad_madd(v + 3 * i, c, cos(a), axis[0]);
+        rad_madd(v + 3 * i, v + 3 * i, .7 * sin(a), axis[1]);
+        rad_madd(v + 3 * i, v + 3 * i,
+                 geom_rand(key, (uint32_t)(20 + i), -warp, warp), axis[2]);
+    }
+    return n;
+}
+
+/* A ray by a warped face, with a slope to it of `warp`, times up to ten either
+ * way. */
+static struct rad_span
+graze(uint64_t key, double warp, double axis[3][3], const double c[3])
+{
+    double turn = geom_rand(key, 0, 0, 6.283185307179586);
+    struct rad_span s = { .tmin = 0, .tmax = INFINITY };
+
+    rad_scale(s.dir, cos(turn), axis[0]);
+    rad_madd(s.dir, s.dir, sin(turn), axis[1]);
+    rad_madd(s.dir, s.dir, warp * pow(10, geom_rand(key, 1, -1, 1)), axis[2]);
+    rad_normalize(s.dir);
+    rad_madd(s.org, c, geom_rand(key, 2, -.8, .8), axis[0]);
+    rad_madd(s.org, s.org, geom_rand(key, 3, -.6, .6), axis[1]);
+    rad_madd(s.org, s.org, -geom_rand(key, 4, 0, 6), s.dir);
+    if (rad_rand(key, 5) < .5)
+        s.tmax = geom_rand(key, 6, 0, 6);
+    return s;
+}
+
+/* How far p is from the box of a face's vertices. */
+static double
+off_box(const double *v, int n, const double p[3])
+{
+    double off = 0;
+
+    for (int a = 0; a < 3; a++) {
+        double lo = v[a], hi = v[a];
+
+        for (int i = 1; i < n; i++) {
+            lo = fmin(lo, v[3 * i + a]);
+            hi = fmax(hi, v[3 * i + a]);
+        }
+        off = fmax(off, fmax(lo - p[a], p[a] - hi));
+    }
+    return off;
+}
+
+static const double warps[] = { 1e-8, 1e-3, .01, .1 };
+
+/* Rays all but along faces that are not flat: the tree finds the face that is
+ * met, the point is near it, and a ray that leaves it does not meet it. */
+LOOP_TEST(warped_faces_are_found_at_any_angle, N_ELEM(warps))
+{
+    enum { N = 300 };
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    double v[21], axis[3][3], c[3], warp = warps[_i];
+    int met = 0;
+
+    geom_scene_init(&g, N, N * 21);
+    for (uint64_t i = 0; i < N; i++) {
+        int n = warped_face(rad_key_branch(5, i), warp, v, axis, c);
+
+        geom_scene_add(&g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, v, 3 * n);
+    }
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < 40 * N; i++) {
+        uint64_t key = rad_key_branch(6, i);
+        struct rad_span s, away = { .tmin = 0, .tmax = INFINITY };
+        struct rad_hit hit, want;
+        const struct rad_object *o;
+
+        warped_face(rad_key_branch(5, i % N), warp, v, axis, c);
+        s = graze(key, warp, axis, c);
+        nearest_of_all(geom, N, &s, &want);
+        rad_geom_nearest(geom, &s, &hit, &counts);
+        ck_assert_msg(hit.obj == want.obj, "ray %d: %d, not %d", (int)i,
+                      hit.obj, want.obj);
+        ck_assert_int_eq(is_blocked(geom, &s, RAD_VOID, NULL, &counts),
+                         want.obj != RAD_VOID);
+        if (hit.obj == RAD_VOID)
+            continue;
+        met++;
+        o = &g.scene.objects[hit.obj];
+        ck_assert(off_box(o->reals, o->nreals / 3, hit.p) < 2 * warp);
+        rad_madd(away.dir, s.dir,
+                 -geom_rand(key, 7, 0, 2) * rad_dot(s.dir, hit.n), hit.n);
+        rad_normalize(away.dir);
+        rad_geom_leave(&hit, away.dir, away.org);
+        ck_assert(!rad_geom_hit_object(geom, hit.obj, &away, &hit, &counts));
+    }
+    ck_assert_int_gt(met, 10 * N);
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+
 /* Flat boxes of size 1 in a row, one after the other, or each far from the one
  * before. */
 static void
