@@ -70,6 +70,7 @@ struct order {
 /* Where shadow rays to the lamp start, on one side of the surface that is hit.
  */
 struct start {
+    bool left;  /* org is set: it is the same for all lamps */
     bool known; /* the other fields are set */
     double org[3];
     double height; /* above the plane of a flat lamp */
@@ -103,6 +104,7 @@ begin(struct direct *d, struct rad_ctx *ctx, struct rad_ray *r,
     d->brdf = brdf;
     d->data = data;
     d->nsamples = 0;
+    d->start[0].left = d->start[1].left = false;
     d->list = NULL;
     d->n = d->capacity = 0;
 }
@@ -158,7 +160,9 @@ start_of(struct direct *d, const double dir[3])
     if (s->known)
         return s;
     s->known = true;
-    rad_geom_leave(from, dir, s->org);
+    if (!s->left)
+        rad_geom_leave(from, dir, s->org);
+    s->left = true;
     rad_sub(to, s->org, lamp->centre);
     s->height = rad_dot(to, lamp->normal);
     s->round =
