@@ -523,9 +523,10 @@ rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *child,
  * places written with six digits, which are off by 5e-6 of a coordinate, leave
  * open along the normal: above a ground of 1000 km the height counts alone.  Of
  * a scene far from the origin its extent limits that; near the origin a tenth
- * of the extent counts, for the surface is written so, too.  It is also less
- * than 1e-4 of the surface's size, for a scene may be much larger than the room
- * that the sensor is in. */
+ * of the extent counts, for the surface is written so, too, unless its numbers
+ * are round: no place 2 m above a sphere of radius 1e6 is on it.  It is also
+ * less than 1e-4 of the surface's size, for a scene may be much larger than the
+ * room that the sensor is in. */
 #define WRITTEN    1e-5
 #define ON_SURFACE 1e-4
 
@@ -540,6 +541,31 @@ static double
 size_along(const double n[3], const double v[3])
 {
     return fabs(n[0] * v[0]) + fabs(n[1] * v[1]) + fabs(n[2] * v[2]);
+}
+
+/* How far the numbers of the surface that was hit may be off: by their rounding
+ * to six digits, or if they have fewer digits, by what a frozen octree keeps of
+ * them.  Of a surface in a copy they are not known. */
+static double
+left_open(const struct rad_scene *scene, const struct rad_hit *met)
+{
+    const struct rad_object *o = &scene->objects[met->obj];
+    double most = 0;
+
+    if (met->in)
+        return INFINITY;
+    for (int i = 0; i < o->nreals; i++) {
+        double x = fabs(o->reals[i]), off = 0x1p-30 * x, unit = 1;
+
+        while (unit <= x / 1e5)
+            unit *= 10;
+        while (unit > x / 1e4 && unit > 1e-12)
+            unit /= 10;
+        if (fabs(x - unit * rint(x / unit)) > off)
+            off = WRITTEN * x;
+        most = rad_most(most, off);
+    }
+    return most;
 }
 
 /* Move p off the surface that it is on, to the side of n, if it is on one. */
@@ -560,7 +586,8 @@ step_off(struct rad_ctx *ctx, const double n[3], double p[3])
         WRITTEN *
         rad_least(rad_most(size_along(n, p), size_along(n, all) / 10), extent);
     if (rad_geom_nearest(geom, &span, &met, &ctx->counts.geom) &&
-        met.t < ON_SURFACE * rad_geom_size(geom, &met)) {
+        met.t < ON_SURFACE * rad_geom_size(geom, &met) &&
+        met.t < WRITTEN * far + left_open(ctx->job->scene, &met)) {
         rad_geom_leave(&met, n, p);
         return;
     }

@@ -617,15 +617,19 @@ LOOP_TEST(sensor_on_a_desk_sees_what_is_above_it, N_ELEM(sensor))
 }
 
 /* ... however far the ground goes that it looks down at. */
-TEST(sensor_over_a_wide_ground_sees_it)
+static const char *const wide[] = {
+    "void glow shine 0 0 4 1 1 1 0\n"
+    "shine ring ground 0 0 8 0 0 0 0 0 1 0 1e6\n",
+    "void glow shine 0 0 4 1 1 1 0\n"
+    "shine sphere ground 0 0 4 0 0 -1e6 1e6\n",
+};
+
+LOOP_TEST(sensor_over_a_wide_ground_sees_it, N_ELEM(wide))
 {
-    static const double down[] = { 0, 0, -1 }, p[] = { 30, 5, 2 };
+    static const double down[] = { 0, 0, -1 }, p[] = { 30, 5, 1.5 };
     struct rad_ray r;
 
-    world_open(&w,
-               "void glow shine 0 0 4 1 1 1 0\n"
-               "shine ring ground 0 0 8 0 0 0 0 0 1 0 1e6\n",
-               "-ab 1 -aa 0 -ad 64 -as 0");
+    world_open(&w, wide[_i], "-ab 1 -aa 0 -ad 64 -as 0");
     rad_ray_irradiance(&w.ctx, &r, p, down, 0);
     ck_assert_double_eq_tol((double)r.L.g, M_PI, 1e-3);
 }
