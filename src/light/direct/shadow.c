@@ -73,7 +73,8 @@ struct start {
     bool left;  /* org is set: it is the same for all lamps */
     bool known; /* the other fields are set */
     double org[3];
-    double height; /* above the plane of a flat lamp */
+    double
+        height; /* above the plane of a flat lamp and what is flush with it */
     double round;  /* bound of the rounding error of height */
 };
 
@@ -165,6 +166,7 @@ start_of(struct direct *d, const double dir[3])
     s->left = true;
     rad_sub(to, s->org, lamp->centre);
     s->height = rad_dot(to, lamp->normal);
+    s->height -= rad_flush_gap(lamp->centre, lamp->normal, s->height);
     s->round =
         RAD_LIGHT_ROUNDING *
         (rad_largest(s->org) + rad_largest(lamp->centre) + rad_largest(to));

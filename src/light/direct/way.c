@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "light/direct/way.h"
+#include "light/direct/sources.h"
 #include "base/vec.h"
 #include "trace/asks.h"
 
@@ -22,10 +23,13 @@ rad_way_aim(struct rad_ctx *ctx, const struct rad_hit *from, int32_t source,
     if (!rad_geom_hit_object(ctx->job->geom, rad_source_target(s, source), span,
                              hit, &ctx->counts.geom))
         return false;
-    double cosine = fabs(rad_dot(hit->n, dir));
+    double cosine = rad_most(fabs(rad_dot(hit->n, dir)), DBL_MIN);
+    double height = hit->t * cosine;
 
     /* both surfaces may be off by their error bounds */
-    span->tmax = hit->t - 2 * hit->err / rad_most(cosine, DBL_MIN);
+    span->tmax =
+        (height - rad_flush_gap(hit->p, hit->n, height) - 2 * hit->err) /
+        cosine;
     return span->tmax > 0;
 }
 

@@ -19,6 +19,10 @@ static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
 /* 2 x 2 facing down at z = 2 */
 #define SQUARE_LAMP                                                            \
     LAMP "bright polygon lamp 0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
+/* The same, of a radiance that is a function of direction. */
+#define SHAPED_LAMP                                                            \
+    "void brightfunc f 2 if(Dz,1,.5) . 0 0\nf light bright 0 0 3 1 1 1\n"      \
+    "bright polygon lamp 0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
 static const double square[] = { -1, -1, 2, -1, 1, 2, 1, 1, 2, 1, -1, 2 };
 #define DIRECT "-ab 0 -av 0 0 0 -dj 0 -dt 0 "
 
@@ -101,15 +105,32 @@ LOOP_TEST(shadow_ray_meets, N_ELEM(blocker))
                   blocker[_i].name, E, blocker[_i].passes);
 }
 
-TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere)
+/* Where a lamp's ceiling is: with it, or as far below it as a frozen octree or
+ * twelve digits may put it. */
+static const struct {
+    const char *lamp;
+    double z;
+} flush_with[] = {
+    { SQUARE_LAMP, 2 },
+    { SQUARE_LAMP, 2 - 0x1p-29 },
+    { SQUARE_LAMP, 2 - 1e-11 },
+    { SHAPED_LAMP, 2 - 0x1p-29 },
+};
+
+LOOP_TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere,
+          N_ELEM(flush_with))
 {
     struct world bare = { 0 }, flush = { 0 };
+    double c = flush_with[_i].z;
+    char text[1024];
 
-    world_open(&bare, SQUARE_LAMP, DIRECT "-ds .2");
-    world_open(&flush,
-               SQUARE_LAMP PLASTIC
-               "white polygon c 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n",
-               DIRECT "-ds .2");
+    snprintf(text, sizeof text,
+             "%s" PLASTIC "white polygon c 0 0 12 -9 -9 %.17g -9 9 %.17g "
+             "9 9 %.17g 9 -9 %.17g\n",
+             flush_with[_i].lamp, c, c, c, c);
+    world_open(&bare, flush_with[_i].lamp, DIRECT "-ds .2");
+    world_open(&flush, text, DIRECT "-ds .2");
+    ck_assert_double_gt(irradiance_at(&bare, 0, 0, 0), 0);
     for (int i = 0; i < 200; i++) {
         double x = 16 * rad_rand(7, (uint32_t)(3 * i)) - 8;
         double y = 16 * rad_rand(7, (uint32_t)(3 * i + 1)) - 8;
