@@ -67,20 +67,32 @@ widened(double power, double wider)
     return power / (1 + .5 * wider * power);
 }
 
-/* As rad_gloss_reflect_gain().  Dividing by the larger cosine costs more than
- * Ward's lobe does: about the roughness in the plane in which the ray comes
- * times the tangent over sqrt(pi). */
+/* What a lobe of square roughness a2 loses by dividing by the larger cosine,
+ * but for a part that is the same at all angles; tan2: of the eye.  With d the
+ * light's tilt from the peak and t the tangent, the loss is the mean of
+ * t d + |d|^2 / 2 where that is positive: a2 at the normal, and far from there
+ * the roughness times t / sqrt(pi). */
+static double
+division_loss(double a2, double tan2)
+{
+    return sqrt(a2 * a2 + a2 * tan2 / M_PI);
+}
+
+/* As rad_gloss_reflect_gain(), for a lobe that loses more than Ward's by
+ * division_loss(). */
 static double
 reflect_gain(const struct ashik_hit *hit, double cos2, double wider)
 {
     double u = rad_dot(hit->r->dir, hit->u), v = rad_dot(hit->r->dir, hit->v);
-    double gain = rad_gloss_reflect_gain(hit->r, cos2), a2, more;
+    double gain = rad_gloss_reflect_gain(hit->r, cos2), a2, tan2;
 
-    if (!(wider > 0 && u * u + v * v > 0))
+    if (!(wider > 0))
         return gain;
+    if (!(u * u + v * v > 0))
+        return gain + wider;
     a2 = 2 * (u * u + v * v) / (hit->nu * u * u + hit->nv * v * v);
-    more = wider / (sqrt(a2) + sqrt(a2 + wider));
-    return gain + more * sqrt((1 - cos2) / (cos2 * M_PI));
+    tan2 = (1 - cos2) / cos2;
+    return gain + division_loss(a2 + wider, tan2) - division_loss(a2, tan2);
 }
 
 /* The lobe for a light at ldir.  The exponent of cos(theta_h) depends on the
