@@ -401,6 +401,9 @@ outranks(const struct rad_geom *g, const struct rad_met *a, bool a_front,
         return ka < kb;
     if (a_front != b_front)
         return a_front;
+    /* a copy's modifiers come last, wherever its file is named */
+    if (!a->hit.in != !b->hit.in && (a->hit.in ? b : a)->surf & RAD_SURF_LAMP)
+        return !a->hit.in;
     if (amod != bmod)
         return amod > bmod;
     if (a->hit.obj != b->hit.obj)
@@ -431,23 +434,61 @@ rad_geom_outranks(const struct rad_geom *g, int32_t a, int32_t b)
 struct contest {
     const struct rad_geom *g;
     struct rad_met leader;
+    struct rad_met lamp; /* behind the leader, but flush with it */
+    bool lit;            /* there is such a lamp */
+    double first, end;   /* the nearest hit, and where its ties end */
 };
+
+/* Is met the front of a lamp that may be in one plane with the nearest hit?
+ * Frozen octrees keep 31 bits of a coordinate, xform writes 12 digits. */
+static bool
+is_flush_lamp(const struct contest *c, const struct rad_met *met,
+              const struct rad_walk *w)
+{
+    const double *n = met->hit.n, *p = met->hit.p;
+    double slope = -rad_dot(n, w->probe.dir);
+    double size = fabs(n[0] * p[0]) + fabs(n[1] * p[1]) + fabs(n[2] * p[2]);
+
+    return met->surf & RAD_SURF_LAMP && slope > 0 &&
+           (met->hit.t - c->first) * slope < 0x1p-28 * size;
+}
 
 static void
 offer(struct rad_walk *w, const struct rad_met *met)
 {
     struct contest *c = w->arg;
+    struct rad_met *best = &c->leader;
 
-    if (outranks(c->g, met, rad_dot(met->hit.n, w->probe.dir) < 0, &c->leader,
-                 rad_dot(c->leader.hit.n, w->probe.dir) < 0))
-        c->leader = *met;
+    if (!(met->hit.t < c->end)) {
+        if (!is_flush_lamp(c, met, w))
+            return;
+        best = &c->lamp;
+    }
+    if ((best == &c->lamp && !c->lit) ||
+        outranks(c->g, met, rad_dot(met->hit.n, w->probe.dir) < 0, best,
+                 rad_dot(best->hit.n, w->probe.dir) < 0))
+        *best = *met;
+    c->lit |= best == &c->lamp;
 }
 
-/* Let the tie rule choose among the hits within the nearest hit's error. */
+/* Does the lamp behind the leader win? */
+static bool
+lamp_wins(const struct contest *c, const struct rad_walk *w)
+{
+    const struct rad_met *first = &c->leader;
+
+    return c->lit && first->surf & RAD_SURF_OPAQUE &&
+           !(first->surf & RAD_SURF_LAMP) &&
+           outranks(c->g, &c->lamp, true, first,
+                    rad_dot(first->hit.n, w->probe.dir) < 0);
+}
+
+/* Let the tie rule choose among the hits within the nearest hit's error, and
+ * lamps that are flush with it. */
 static void
 settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
 {
-    struct contest c = { .g = g };
+    struct contest c = { .g = g, .first = w->best };
     double slope, reach = w->cut - w->best;
 
     if (w->prims[w->prim].kind == PRIM_PLACE)
@@ -459,11 +500,12 @@ settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
     slope = fabs(rad_dot(hit->n, w->probe.dir));
     if (rad_least(hit->err, reach) < reach * slope)
         reach = rad_least(hit->err, reach) / slope;
-    w->cut = rad_least(nextafter(w->best + reach, INFINITY), w->tmax);
+    c.end = rad_least(nextafter(w->best + reach, INFINITY), w->tmax);
+    w->cut = rad_most(w->cut, c.end);
     w->offer = offer;
     w->arg = &c;
     g->kernel->all(w);
-    *hit = c.leader.hit;
+    *hit = lamp_wins(&c, w) ? c.lamp.hit : c.leader.hit;
 }
 
 /* The hit that the walk found, if any, with ties settled. */

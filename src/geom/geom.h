@@ -28,7 +28,8 @@ enum {
     RAD_SURF_TRANSPARENT = 2, /* loses ties against others (tie rule) */
     RAD_SURF_NOMATERIAL = 4,  /* loses ties against all that have a material */
     RAD_SURF_PASSED = 8,      /* most rays that meet it go straight on */
-    RAD_SURF_ONESIDED = 16    /* most rays that meet its back go straight on */
+    RAD_SURF_ONESIDED = 16,   /* most rays that meet its back go straight on */
+    RAD_SURF_LAMP = 32        /* gives light */
 };
 
 /* A stretch of a line: p(t) = org + t*dir, tmin < t < tmax. */
@@ -107,8 +108,10 @@ double rad_geom_size(const struct rad_geom *g, const struct rad_hit *hit);
 
 /* The first surface on the span.  Among hits within their error bounds of the
  * nearest the tie rule decides: opaque over transparent, front over back, the
- * modifier that is defined later, then the higher object index.  False: nothing
- * is hit (hit->obj is RAD_VOID). */
+ * modifier that is defined later (a lamp's over one of a copy), then the higher
+ * object index.  With an opaque surface the front of a lamp ties also where
+ * what scene files round has put the lamp behind.  False: nothing is hit
+ * (hit->obj is RAD_VOID). */
 bool rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
                       struct rad_hit *hit, struct rad_geom_counts *counts);
 

@@ -33,7 +33,8 @@ surface_flags(const struct rad_job *job, int32_t i)
         onesided = RAD_SURF_ONESIDED;
     return (uint8_t)((flags & RAD_MAT_OPAQUE ? RAD_SURF_OPAQUE : 0) |
                      (flags & RAD_MAT_TRANSPARENT ? RAD_SURF_TRANSPARENT : 0) |
-                     onesided | (flags & RAD_MAT_PASSED ? RAD_SURF_PASSED : 0));
+                     (flags & RAD_MAT_PASSED ? RAD_SURF_PASSED : 0) |
+                     (flags & RAD_MAT_EMITS ? RAD_SURF_LAMP : 0) | onesided);
 }
 
 static int

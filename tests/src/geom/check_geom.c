@@ -374,6 +374,56 @@ LOOP_TEST(shared_edge_goes_to_the_later_modifier, 4)
     }
 }
 
+/* A lamp as far behind a ceiling as a frozen octree or twelve digits may put
+ * it, whose modifier is the later: its front is seen.  Its back is not, nor is
+ * the lamp behind a pane, or farther off. */
+enum { CEILING = RAD_SURF_OPAQUE, LIT = RAD_SURF_OPAQUE | RAD_SURF_LAMP };
+
+static const struct {
+    double z;
+    uint8_t ceiling, lamp;
+    double up;   /* of the lamp's normal */
+    int earlier; /* 1: its modifier is the earlier */
+    int seen;    /* 0: the ceiling, 1: the lamp */
+} flush[] = {
+    { 3 + 3 * 0x1p-31, CEILING, LIT, -1, 0, 1 },
+    { 3 + 1e-11, CEILING, LIT, -1, 0, 1 },
+    { 3 + 1e-11, CEILING, RAD_SURF_LAMP, -1, 0, 1 },
+    { 3 + 1e-11, CEILING, LIT, -1, 1, 0 },
+    { 3 + 1e-11, CEILING, CEILING, -1, 0, 0 },
+    { 3 + 1e-11, CEILING, LIT, 1, 0, 0 },
+    { 3 + 1e-11, RAD_SURF_TRANSPARENT, LIT, -1, 0, 0 },
+    { 3 + 1e-7, CEILING, LIT, -1, 0, 0 },
+};
+
+LOOP_TEST(lamp_is_not_hidden_by_what_is_flush_with_it, 2 * N_ELEM(flush))
+{
+    int row = _i / 2, first = _i % 2, early = flush[row].earlier;
+    double ring[2][8] = { { 0, 0, 3, 0, 0, -1, 0, 9 },
+                          { 0, 0, flush[row].z, 0, 0, flush[row].up, 0, 8 } };
+    struct rad_hit hit;
+
+    geom_scene_init(&g, 4, 16);
+    for (int i = 0; i < 2; i++) /* stand-ins for modifiers */
+        geom_scene_add(&g, RAD_PLASTIC, RAD_VOID, 0, NULL, 0);
+    for (int i = 0; i < 2; i++) {
+        int k = i ^ first;
+
+        geom_scene_add(&g, RAD_RING, k ^ early,
+                       k ? flush[row].lamp : flush[row].ceiling, ring[k], 8);
+    }
+    geom = geom_scene_compile(&g);
+    for (int i = 0; i < 9; i++) {
+        struct rad_span s = geom_span(0, 0, 1, i, 1, 2);
+        int seen = i < 8 && flush[row].seen;
+
+        if (i == 8) /* past the lamp */
+            s = geom_span(8.5, 0, 1, 0, 0, 1);
+        ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
+        ck_assert_int_eq(hit.obj, 2 + (seen ^ first));
+    }
+}
+
 TEST(nearby_faces_are_no_tie)
 {
     struct rad_span s = geom_span(.3, .4, 10, 0, 0, -1);
