@@ -6,6 +6,7 @@
 
 #include "net/inifile.h"
 
+#include <errno.h>
 #include <ini.h>
 #include <string.h>
 
@@ -65,7 +66,8 @@ inifile_read(FILE *file, const char *path, inifile_fn *fn, void *arg,
     int line = ini_parse_stream(read_line, &r, take_pair, &r);
 
     if (r.code == 0 && ferror(file))
-        r.code = rad_fail(err, RAD_EIO, "cannot read '%s'", path);
+        r.code = rad_fail(err, RAD_EIO, "cannot read '%s': %s", path,
+                          strerror(errno));
     if (r.code == 0 && line != 0) {
         r.line = line > 0 ? line : r.line;
         reader_failed(&r, rad_fail(err, RAD_ECONFIG,

@@ -191,6 +191,15 @@ make_options(const struct conf_table *t, struct options *o)
     memcpy(o->rows + n, fixed, sizeof fixed);
 }
 
+/* Return the next option as getopt_long() does, and its word: in a word of
+ * several letters (-xy) optind does not go on before the last of them. */
+static int
+next_option(int argc, char *argv[], const struct options *o, const char **word)
+{
+    *word = argv[optind > 0 ? optind : 1];
+    return getopt_long(argc, argv, "+:", o->rows, NULL);
+}
+
 /* Walk the command line once.  With settings NULL no key is set, and the
  * private key sets *config to "", unless --config names a file. */
 static int
@@ -198,12 +207,13 @@ walk_options(const struct conf_table *t, void *settings, int argc, char *argv[],
              const char **config, struct rad_error *err)
 {
     struct options o;
+    const char *word;
     int c, wish = CONF_RUN, rc = 0;
 
     make_options(t, &o);
     opterr = 0;
     optind = 0; /* start anew: glibc's way */
-    while (rc == 0 && (c = getopt_long(argc, argv, "+:", o.rows, NULL)) != -1) {
+    while (rc == 0 && (c = next_option(argc, argv, &o, &word)) != -1) {
         if (c == OPT_CONFIG)
             *config = optarg;
         else if (c == OPT_HELP)
@@ -211,11 +221,10 @@ walk_options(const struct conf_table *t, void *settings, int argc, char *argv[],
         else if (c == OPT_VERSION)
             wish = CONF_VERSION;
         else if (c == ':')
-            rc = rad_fail(err, RAD_EUSAGE, "option '%s' needs a value",
-                          argv[optind - 1]);
+            rc = rad_fail(err, RAD_EUSAGE, "option '%s' needs a value", word);
         else if (c == '?')
             rc = rad_fail(err, RAD_EUSAGE, "unknown or ambiguous option '%s'",
-                          argv[optind - 1]);
+                          word);
         else if (!settings && t->private_key &&
                  strcmp(t->keys[c].name, t->private_key) == 0)
             *config = *config ? *config : "";

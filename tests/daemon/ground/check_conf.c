@@ -211,25 +211,32 @@ LOOP_TEST(bad_file_is_refused_with_its_line, N_ELEM(bad_files))
     ck_assert_msg(strstr(err.what, bad_files[_i].what) != NULL, "%s", err.what);
 }
 
-static const char *const bad_options[] = { "--threads=x",
-                                           "--threads=-1",
-                                           "--threads=",
-                                           "--nothing",
-                                           "word",
-                                           "--host-name",
-                                           "--loud=maybe",
-                                           "-x",
-                                           "--threads=99999999999999999999",
-                                           "--host-name=forbidden" };
+static const struct {
+    const char *word, *what;
+} bad_options[] = {
+    { "--threads=x", "'threads': bad number 'x'" },
+    { "--threads=-1", "'threads': -1 is not within" },
+    { "--threads=", "'threads': bad number ''" },
+    { "--nothing", "option '--nothing'" },
+    { "word", "argument 'word'" },
+    { "--host-name", "'--host-name' needs a value" },
+    { "--loud=maybe", "got 'maybe'" },
+    { "-x", "option '-x'" },
+    { "-xyz", "option '-xyz'" },
+    { "--threads=99999999999999999999", "'threads'" },
+    { "--host-name=forbidden", "forbidden" },
+};
 
 LOOP_TEST(bad_option_is_a_usage_error, N_ELEM(bad_options))
 {
     struct settings s;
     struct rad_error err;
 
-    ck_assert_int_eq(load(&s, &err, bad_options[_i], NULL), RAD_EUSAGE);
+    ck_assert_int_eq(load(&s, &err, "--loud", bad_options[_i].word),
+                     RAD_EUSAGE);
     ck_assert_int_eq(err.code, RAD_EUSAGE);
-    ck_assert_str_ne(err.what, "");
+    ck_assert_msg(strstr(err.what, bad_options[_i].what) != NULL, "%s",
+                  err.what);
 }
 
 TEST(missing_file_is_named)
@@ -240,6 +247,8 @@ TEST(missing_file_is_named)
     ck_assert_int_eq(load(&s, &err, "--config=/nonexistent/x", NULL),
                      RAD_ENOINPUT);
     ck_assert_ptr_nonnull(strstr(err.what, "/nonexistent/x"));
+    ck_assert_int_eq(load(&s, &err, "--config=/", NULL), RAD_EIO);
+    ck_assert_str_eq(err.what, "cannot read '/': Is a directory");
 }
 
 /* A link that leads to itself is denied to root, too. */
