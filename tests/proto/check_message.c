@@ -452,6 +452,34 @@ TEST(a_sum_of_doubt_has_an_end)
     msg_release(&back);
 }
 
+static const struct {
+    struct msg_fault list[MSG_FAULTS];
+    int code;
+} faults[] = {
+    { { { 0, 0 } }, 0 },
+    { { { 0, 5 } }, 0 },
+    { { { 0, 5 }, { 7, UINT64_MAX } }, 0 },
+    { { { 7, 0 } }, RAD_EPROTO },           /* of an object, none */
+    { { { 0, 0 }, { 7, 1 } }, RAD_EPROTO }, /* behind the list's end */
+    { { { 7, 1 }, { 7, 1 } }, RAD_EPROTO }, /* an object twice */
+    { { { 8, 1 }, { 7, 1 } }, RAD_EPROTO },
+    { { { 8, 1 }, { 9, 0 } }, RAD_EPROTO },
+};
+
+LOOP_TEST(faults_stand_in_the_order_of_their_objects, N_ELEM(faults))
+{
+    struct msg m = { .type = MSG_PAID, .paid = { ID, 1, 2, COUNTS } };
+    struct msg back = { 0 };
+    uint8_t bytes[MOST];
+    size_t n;
+
+    memcpy(m.paid.counts.faults, faults[_i].list, sizeof faults[_i].list);
+    n = pack(&m, bytes) - MSG_HEADER;
+    ck_assert_int_eq(unpack_exactly(m.type, bytes + MSG_HEADER, n, &back),
+                     faults[_i].code);
+    msg_release(&back);
+}
+
 /* Numbers that are read, and that nobody means. */
 static const struct {
     enum msg_type type;
