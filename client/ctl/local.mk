@@ -8,9 +8,9 @@ radctl_SOURCES = \
 	client/ctl/ctl_job.c \
 	client/ctl/ctl_list.c \
 	client/ctl/ctl_top.c \
-	client/ctl/ctl_words.c \
 	client/ctl/radctl.c
 libclient_a_SOURCES += \
+	client/ctl/ctl_words.c \
 	client/ctl/keyctl.c \
 	client/ctl/keyctl.h \
 	client/ctl/row.h \

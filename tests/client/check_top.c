@@ -1,6 +1,8 @@
-/* check_top.c - what radctl top shows, and what keys do, without a terminal */
+/* check_top.c - what radctl top shows, and what keys do, without a terminal;
+ * what radctl says of one job and of the coordinator */
 #include "config.h"
 
+#include "ctl/ctl.h"
 #include "ctl/top_rows.h"
 #include "base/text.h"
 #include "tests/unit.h"
@@ -362,4 +364,108 @@ TEST(many_rows_scroll_with_the_chosen_one)
     ck_assert_str_eq(top_name(TOP_WORKERS, top_chosen(&t, TOP_WORKERS)),
                      "ws499");
     top_release(&t);
+}
+
+static const struct {
+    double s;
+    const char *text;
+} spans[] = {
+    { 0, "0 s" },           { 1.26, "1.3 s" },
+    { 59, "59 s" },         { 60, "1 min" },
+    { 3599, "59 min" },     { 3600, "1 h 0 min" },
+    { 7500, "2 h 5 min" },  { 86399, "23 h 59 min" },
+    { 86400, "1 day 0 h" }, { 187200, "2 days 4 h" },
+};
+
+LOOP_TEST(a_span_is_told_in_its_two_largest_units, N_ELEM(spans))
+{
+    char text[CTL_SPAN];
+
+    ck_assert_str_eq(ctl_span(text, spans[_i].s), spans[_i].text);
+}
+
+static const struct {
+    void (*tell)(FILE *to, const json_t *about);
+    const char *about, *name, *value; /* NULL: no such line */
+} words[] = {
+    { ctl_tell_status, "{}", "since", NULL },
+    { ctl_tell_status, "{}", "workers", "none" },
+    { ctl_tell_status, "{'workers': 1, 'threads': 1}", "workers",
+      "1, with 1 thread" },
+    { ctl_tell_status,
+      "{'workers': 5, 'threads': 40, 'drained': 2, 'drained_threads': 16}",
+      "workers", "3, with 24 threads (2 drained)" },
+    { ctl_tell_status, "{'workers': 2, 'threads': 8, 'drained': 2}", "workers",
+      "none (2 drained)" },
+    { ctl_tell_status, "{'jobs': 2, 'jobs_kept': 5}", "jobs",
+      "2 open, 3 over and kept" },
+    { ctl_tell_status, "{'disk_full': false}", "disk", NULL },
+    { ctl_tell_status, "{'disk_full': true}", "disk",
+      "full: jobs are held until there is room" },
+    { ctl_tell_status, "{'longest_turn_ms': 5}", "delays", NULL },
+    { ctl_tell_status, "{'slow_turns': 1, 'longest_turn_ms': 1234.5}", "delays",
+      "everybody had to wait 1 time, for 1200 ms at most" },
+    { ctl_tell_job, "{'state': 'waiting', 'text': 'waiting'}", "note", NULL },
+    { ctl_tell_job, "{'state': 'failed', 'text': 'no light'}", "note",
+      "no light" },
+    { ctl_tell_job, "{'status': 0}", "exit status", NULL },
+    { ctl_tell_job, "{'status': 65}", "exit status", "65" },
+    { ctl_tell_job, "{'done': 0.9999}", "done", "99 %" },
+    { ctl_tell_job, "{'done': 1}", "done", "100 %" },
+    { ctl_tell_job, "{'pass': 2, 'pass_done': 0.5}", "ambient cache", NULL },
+    { ctl_tell_job, "{'passes': 9, 'pass': 2, 'pass_done': 0.555}",
+      "ambient cache", "pass 2 of 9, 55 %" },
+    { ctl_tell_job, "{'reuse': '0a1b'}", "ambient cache",
+      "begins with that of 0a1b" },
+    { ctl_tell_job, "{'cache_bytes': 12340000}", "ambient cache",
+      "12.3 MB kept for --reuse" },
+    { ctl_tell_job, "{'stage': 1, 'stages': 3}", "stage", NULL },
+    { ctl_tell_job, "{'goal_error': 0.025}", "asked for", "error of 2.5 %" },
+    { ctl_tell_job, "{'goal_time_s': 90}", "asked for", "90 s" },
+    { ctl_tell_job, "{'goal_error': 0.05, 'goal_time_s': 90}", "asked for",
+      "error of 5 %, within 90 s" },
+    { ctl_tell_job, "{'goal_error': 0.05, 'stage': 1, 'stages': 6}", "stage",
+      "1 of at most 6" },
+    { ctl_tell_job,
+      "{'goal_time_s': 9, 'stage': 2, 'stages': 6, 'estimated_error': 0.0312}",
+      "stage", "2 of at most 6, estimated error 3.1 %" },
+    { ctl_tell_job, "{'width': 40, 'height': 30, 'frames': 1}", "picture",
+      "40 x 30" },
+    { ctl_tell_job,
+      "{'width': 40, 'height': 30, 'frames': 8, 'frames_ready': 3, "
+      "'oversample': 2}",
+      "picture", "8 frames (3 ready) of 40 x 30 of 2 x 2 samples a pixel" },
+    { ctl_tell_job, "{'elapsed_s': 61}", "time",
+      "1 min since it was submitted" },
+    { ctl_tell_job, "{'rays': 0}", "rays", NULL },
+    { ctl_tell_job, "{'rays': 12345678}", "rays", "12.3 million" },
+    { ctl_tell_job, "{'units_redone': 0}", "made again", NULL },
+    { ctl_tell_job, "{'units_redone': 1}", "made again",
+      "1 part of the picture, after a loss" },
+};
+
+LOOP_TEST(a_member_becomes_a_line_with_its_unit, N_ELEM(words))
+{
+    char json[300], *said, *line, *next;
+    const char *found = NULL;
+    size_t len;
+    FILE *to = open_memstream(&said, &len);
+    json_t *root;
+
+    snprintf(json, sizeof json, "%s", words[_i].about);
+    for (char *c = json; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    root = parse(json);
+    words[_i].tell(to, root);
+    fclose(to);
+    for (line = strtok_r(said, "\n", &next); line;
+         line = strtok_r(NULL, "\n", &next)) {
+        size_t n = strlen(words[_i].name);
+
+        if (strncmp(line, words[_i].name, n) == 0 && line[n] == ' ')
+            found = line + n + strspn(line + n, " ");
+    }
+    ck_assert_pstr_eq(found, words[_i].value);
+    free(said);
+    json_decref(root);
 }

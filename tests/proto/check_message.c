@@ -213,6 +213,30 @@ TEST(what_a_sum_lacks_of_another_is_no_less_than_nothing)
     ck_assert_uint_eq(lack.rays, all.rays);
 }
 
+TEST(each_count_of_a_sum_is_added)
+{
+    enum { N = offsetof(struct msg_counts, nan) / sizeof(uint64_t) };
+    struct msg_counts sum = { .cpu_s = 1, .wall_s = 2 };
+    struct msg_counts more = { .cpu_s = 10, .wall_s = 20 };
+    uint64_t *of_sum = (uint64_t *)&sum, *of_more = (uint64_t *)&more;
+
+    for (uint64_t i = 0; i < N; i++) {
+        of_sum[i] = i + 1;
+        of_more[i] = 100 * (i + 1);
+    }
+    for (int i = 0; i < MSG_DOUBT_SUMS; i++) {
+        sum.doubt.v[i] = i + 1;
+        more.doubt.v[i] = 100 * (i + 1);
+    }
+    msg_counts_add(&sum, &more);
+    for (uint64_t i = 0; i < N; i++)
+        ck_assert_uint_eq(of_sum[i], 101 * (i + 1));
+    for (int i = 0; i < MSG_DOUBT_SUMS; i++)
+        ck_assert_double_eq(sum.doubt.v[i], 101 * (i + 1));
+    ck_assert_double_eq(sum.cpu_s, 11);
+    ck_assert_double_eq(sum.wall_s, 22);
+}
+
 /* The first four objects with all their counts, in whatever order they come. */
 TEST(functions_without_a_value_are_summed_by_object)
 {
