@@ -361,8 +361,12 @@ keyfile_add(struct keyfile *f, const char *name, int64_t expires,
         return rc;
     k.number = last_number(f, &k) + 1;
     k.expires = expires;
-    if (k.number > KEY_MAX_NUMBER || f->n >= KEY_MOST)
-        return rad_fail(err, RAD_ECONFIG, "too many keys");
+    if (f->n >= KEY_MOST)
+        return rad_fail(err, RAD_ECONFIG, "a file holds at most %d keys",
+                        KEY_MOST);
+    if (k.number > KEY_MAX_NUMBER)
+        return rad_fail(err, RAD_ECONFIG, "'%s' has had k%d, the last", name,
+                        KEY_MAX_NUMBER);
     if (!random_bytes(k.secret, sizeof k.secret))
         return rad_fail(err, RAD_EINTERNAL, "no random bytes: %s",
                         strerror(errno));

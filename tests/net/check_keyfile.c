@@ -101,6 +101,7 @@ LOOP_TEST(a_bad_line_is_named_and_its_secret_is_not, N_ELEM(bad))
 TEST(bounds_of_a_file_are_kept)
 {
     struct keyfile f;
+    struct rad_error err = { 0 };
     size_t room = 2 * KEY_MAX_FILE, n = 0;
     char *text = malloc(room);
 
@@ -109,6 +110,8 @@ TEST(bounds_of_a_file_are_kept)
         n += (size_t)snprintf(text + n, room - n, "user:u:k%d " HEX "\n", i);
     ck_assert_int_eq(keyfile_parse(&f, text, n, NULL), 0);
     ck_assert_uint_eq(f.n, KEY_MOST);
+    ck_assert_int_eq(keyfile_add(&f, "user:v", 0, &err), RAD_ECONFIG);
+    ck_assert_str_eq(err.what, "a file holds at most 4096 keys");
     keyfile_release(&f);
     n += (size_t)snprintf(text + n, room - n, "user:v:k1 " HEX "\n");
     ck_assert_int_eq(keyfile_parse(&f, text, n, NULL), RAD_ECONFIG);
@@ -122,6 +125,20 @@ TEST(bounds_of_a_file_are_kept)
     ck_assert_int_eq(keyfile_parse(&f, "worker:a:k1\0 " HEX, 76, NULL),
                      RAD_ECONFIG);
     free(text);
+}
+
+TEST(the_numbers_of_a_name_come_to_an_end)
+{
+    static const char text[] = "user:u:k999998 " HEX "\n";
+    struct rad_error err = { 0 };
+    struct keyfile f;
+
+    ck_assert_int_eq(keyfile_parse(&f, text, strlen(text), NULL), 0);
+    ck_assert_int_eq(keyfile_add(&f, "user:u", 0, NULL), 0);
+    ck_assert_int_eq(keyfile_add(&f, "user:u", 0, &err), RAD_ECONFIG);
+    ck_assert_str_eq(err.what, "'user:u' has had k999999, the last");
+    ck_assert_int_eq(keyfile_add(&f, "user:v", 0, NULL), 0);
+    keyfile_release(&f);
 }
 
 TEST(both_keys_of_a_rotation_count_until_one_is_retired)
