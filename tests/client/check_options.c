@@ -420,6 +420,48 @@ LOOP_TEST(each_pair_goes_together_or_is_named, N_ELEM(together))
     }
 }
 
+static const struct {
+    const char *kind, *line;
+    const char *says[8]; /* ... among the lines of -defaults */
+} printed[] = {
+    { "",
+      "-vp 1 2 3 -vth -x 40 -ab 2 -pXYZ --oversample=3 -t 7 -w-",
+      { "-vp 1 2 3 ", "-vth ", "-x 40 ", "-ab 2 ", "-pXYZ ", "--oversample 3 ",
+        "-t 7 ", "-w- " } },
+    { "--points=p ",
+      "-I -ovdL -fdf -x 3 -y 0 -ld+ -h- -ab 2 -pY -t 7",
+      { "-I+ ", "-ovdL ", "-fdf ", "-x 3 ", "-y 0 ", "-ld+ ", "-h- ",
+        "-pY " } },
+};
+
+LOOP_TEST(defaults_are_printed_as_options_are_given, N_ELEM(printed))
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char *text[2], line[300];
+
+    snprintf(line, sizeof line, "%s%s -defaults", printed[_i].kind,
+             printed[_i].line);
+    for (int i = 0; i < 2; i++) {
+        size_t len;
+        FILE *to = open_memstream(&text[i], &len);
+
+        ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_DEFAULTS);
+        submit_options_defaults(&o, to);
+        fclose(to);
+        words_release(&w);
+        snprintf(line, sizeof line, "%s@%s -defaults", printed[_i].kind,
+                 scratch_file("again", text[i]));
+    }
+    ck_assert(strcmp(text[0], text[1]) == 0);
+    for (int i = 0; i < N_ELEM(printed[_i].says); i++)
+        ck_assert_msg(strstr(text[0], printed[_i].says[i]), "no '%s'",
+                      printed[_i].says[i]);
+    free(text[0]);
+    free(text[1]);
+}
+
 TEST(files_and_variables_open_up_in_place)
 {
     struct submit_options o;
