@@ -1,7 +1,7 @@
 /* check_conn.c - messages over a socket pair, good bytes and bad */
 #include "config.h"
 
-#include "net/conn.h"
+#include "net/conn_impl.h"
 #include "net/log.h"
 
 #include "tests/unit.h"
@@ -476,6 +476,50 @@ TEST(who_has_introduced_itself_stays)
         usleep(500);
     }
     ck_assert_int_eq(e.nclosed, 0);
+    close_ends(&e);
+}
+
+/* Let the time between two PINGs pass, n times. */
+static void
+pass_pings(struct ends *e, int n)
+{
+    for (int i = 0; i < n && e->conn; i++) {
+        e->conn->timer.timer_cb(&e->conn->timer);
+        run(e);
+    }
+}
+
+/* Any byte is a sign of life. */
+TEST(who_answers_no_ping_is_let_go)
+{
+    enum { PINGS = CONN_DEAD_MS / CONN_PING_MS };
+    static uint8_t pings[2 * PINGS * (MSG_HEADER + PING_BYTES) + 1];
+    struct ends e;
+
+    open_ends(&e, MSG_AT_PEER);
+    conn_live(e.conn, true);
+    pass_pings(&e, PINGS);
+    ck_assert_int_eq(write(e.fd, "R", 1), 1);
+    run(&e);
+    pass_pings(&e, PINGS);
+    ck_assert_int_eq(e.nclosed, 0);
+    ck_assert_int_eq(read(e.fd, pings, sizeof pings), sizeof pings - 1);
+    pass_pings(&e, 1);
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_str_eq(e.why, "silent for 15 s");
+    close_ends(&e);
+}
+
+TEST(who_gets_no_ping_may_be_silent)
+{
+    struct ends e;
+    uint8_t byte;
+
+    open_ends(&e, MSG_AT_PEER);
+    conn_live(e.conn, false);
+    pass_pings(&e, 100);
+    ck_assert_int_eq(e.nclosed, 0);
+    ck_assert_int_eq(read(e.fd, &byte, 1), -1);
     close_ends(&e);
 }
 
