@@ -42,6 +42,8 @@ printf 'rview -vp 1 1 1 -vd 1 0 0\nrview -vp 1 1 1 -vd 0 1 0\n' >two.vf
 # shellcheck disable=SC2086 # options are words
 expect 74 "cannot write '/dev/full'" "a preview on a full disk" \
     $render -S 1 --views=two.vf --preview=/dev/full -o f%d.hdr room.rad
+[ "$(grep -c 'warning: no preview, but the job goes on: cannot write' stderr)" \
+    -eq 1 ] || fail "a preview on a full disk is not told once: $(cat stderr)"
 [ -s f1.hdr ] && [ -s f2.hdr ] ||
     fail "a preview on a full disk lost a picture"
 
