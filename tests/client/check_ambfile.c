@@ -192,6 +192,28 @@ LOOP_TEST(what_does_not_fit_is_refused, N_ELEM(bad))
     ck_assert_uint_eq(taken.n, 0);
 }
 
+/* Files that begin as ours do and hold something else, such as a picture, which
+ * a run would write its records over. */
+static const char *const others[] = {
+    "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n",
+    "#?RADIANCE\nSCENE=" SCENE "\nOPTIONS=-ab 2\n\n",
+    "#?RADIANCE\nFORMAT=radd_ambient_3\nOPTIONS=-ab 2\n\n",
+    "#?RADIANCE\nFORMAT=radd_ambient_3\nSCENE=" SCENE "\n\n",
+};
+
+LOOP_TEST(another_file_is_none_of_records, N_ELEM(others))
+{
+    struct rad_error err = { 0 };
+    struct ambfile b;
+
+    world_open(&v, ROOM, OPTIONS);
+    b = file_of(&v, AMBFILE_OURS);
+    ck_assert_int_eq(
+        ambfile_parse(&b, others[_i], strlen(others[_i]), take, &taken, &err),
+        RAD_EDATA);
+    ck_assert_str_eq(err.what, "not a file of ambient records");
+}
+
 /* How pixels are placed does not matter. */
 TEST(other_pixels_use_the_same_records)
 {
