@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "job/submit_options.h"
+#include "job/submit_pairs.h"
 #include "job/submit_parse.h"
 #include "common/words.h"
 #include "tests/scratch.h"
@@ -418,6 +419,39 @@ LOOP_TEST(each_pair_goes_together_or_is_named, N_ELEM(together))
                           err.what);
         words_release(&w);
     }
+}
+
+/* Of a scene with spectra, which the command line alone does not tell. */
+static const struct {
+    const char *words;
+    bool refused;
+} planes[] = {
+    { "", false },
+    { "--reuse=last -ab 1", false },
+    { "-o a.hdr -z a.z --stats=s.json", false },
+    { "--error=5 -ab 1", true },
+    { "--time=9 -ab 1", true },
+    { "--preview=p.png", true },
+    { "-af a.amb", true },
+    { "--estimate=s.json", true },
+    { "--reuse=0123456789abcdef0123456789abcdef -ab 1", true },
+};
+
+LOOP_TEST(each_three_bands_are_a_job_of_their_own, N_ELEM(planes))
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char line[200];
+
+    snprintf(line, sizeof line, "-cs 6 %s a.rad", planes[_i].words);
+    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(submit_pairs_check(&o, true, &err),
+                     planes[_i].refused ? RAD_EUSAGE : 0);
+    if (planes[_i].refused)
+        ck_assert_msg(strstr(err.what, "-cs above 3 and -") == err.what, "%s",
+                      err.what);
+    words_release(&w);
 }
 
 static const struct {
