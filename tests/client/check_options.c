@@ -496,6 +496,28 @@ LOOP_TEST(defaults_are_printed_as_options_are_given, N_ELEM(printed))
     free(text[1]);
 }
 
+static const struct {
+    const char *line, *text;
+} point_options[] = {
+    { "--points=p a.rad", "-I- -faa -ov" },
+    { "--points=p -x 0 -y 5 a.rad", "-I- -faa -ov -x 0 -y 5" },
+    { "--points=p -pA -y 2 -x 3 -ovdL -fdf -ld+ -I a.rad",
+      "-I+ -ld+ -fdf -ovdL -x 3 -y 2 -pA" },
+};
+
+LOOP_TEST(options_of_points_are_told_in_headers, N_ELEM(point_options))
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char text[200];
+
+    ck_assert_int_eq(parse(&o, &w, point_options[_i].line, &err), SUBMIT_RUN);
+    pointspec_format(&o.points, text, sizeof text);
+    ck_assert_str_eq(text, point_options[_i].text);
+    words_release(&w);
+}
+
 TEST(files_and_variables_open_up_in_place)
 {
     struct submit_options o;
