@@ -94,7 +94,8 @@ struct program {
     struct words words;
     struct submit_options o;
     struct rifjob rif; /* if the scene is a file of rad's variables */
-    int own_stderr;    /* a copy of it, before -e */
+    int own_stderr;    /* a copy of it, once the file of -e is open, */
+    off_t errors_before; /* which had so many bytes */
     /* what is rendered */
     struct frames frames;
     struct pointjob points; /* --points: of the job, or of the current batch */

@@ -4,6 +4,7 @@
 
 #include "program_files.h"
 
+#include "job/apart.h"
 #include "show/expose.h"
 #include "base/output.h"
 #include "image/edge.h"
@@ -371,4 +372,15 @@ program_check_outputs(const struct program *p)
         return rad_fail(p->err, RAD_EUSAGE,
                         "standard output is a terminal: use -o");
     return 0;
+}
+
+int
+program_check_apart(struct program *p, const struct inputs *in)
+{
+    int rc = apart_inputs(&p->o, &p->frames, in, p->err);
+
+    if (rc < 0 && p->own_stderr > 0 && inputs_find(in, p->o.errors) &&
+        ftruncate(STDERR_FILENO, p->errors_before) == 0)
+        dup2(p->own_stderr, STDERR_FILENO);
+    return rc;
 }

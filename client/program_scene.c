@@ -3,11 +3,11 @@
 
 #include "program_scene.h"
 
-#include "job/apart.h"
 #include "job/submit_pairs.h"
 #include "compile/command.h"
 #include "trial/dryrun.h"
 #include "link/local.h"
+#include "program_files.h"
 
 #include <stdlib.h>
 #include <sysexits.h>
@@ -178,7 +178,7 @@ program_compile(struct program *p)
     }
     if (c.rc < 0)
         return c.rc;
-    return apart_inputs(&p->o, &p->frames, &p->scene.paths.inputs, p->err);
+    return program_check_apart(p, &p->scene.paths.inputs);
 }
 
 int

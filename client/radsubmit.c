@@ -27,22 +27,26 @@
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sysexits.h>
 #include <unistd.h>
 
-/* -e: send standard error to a file from here on. */
+/* -e: send standard error to a file from here on, as rpict does behind what the
+ * file has: it may turn out to be a file of the scene. */
 static int
 open_errors(struct program *p)
 {
+    struct stat st;
     FILE *f;
 
     if (!p->o.errors)
         return 0;
-    p->own_stderr = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
-    f = fopen(p->o.errors, "w");
-    if (!f || dup2(fileno(f), STDERR_FILENO) < 0)
+    p->own_stderr = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    f = fopen(p->o.errors, "a");
+    if (!f || fstat(fileno(f), &st) < 0 || dup2(fileno(f), STDERR_FILENO) < 0)
         return rad_fail(p->err, RAD_ECANTCREAT, "cannot create '%s': %s",
                         p->o.errors, strerror(errno));
+    p->errors_before = st.st_size;
     fclose(f);
     return 0;
 }
@@ -106,7 +110,7 @@ prepare(struct program *p)
         (rc = jobspec_check_goal(&p->o, p->frames.n, p->err)) < 0 ||
         (rc = jobspec_check_windows(&p->o, &p->frames, p->err)) < 0 ||
         (rc = inputs_add(in, "the key", p->cluster.target.key, p->err)) < 0 ||
-        (rc = apart_inputs(&p->o, &p->frames, in, p->err)) < 0 ||
+        (rc = program_check_apart(p, in)) < 0 ||
         (rc = jobspec_read_costs(&p->job, &p->o, &p->frames, p->err)) < 0 ||
         (rc = program_check_outputs(p)) < 0)
         return rc;

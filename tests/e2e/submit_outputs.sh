@@ -52,6 +52,11 @@ expect 74 "cannot write '/dev/full'" "a preview on a full disk" \
 expect 74 "cannot write '/dev/full'" "messages on a full disk" \
     $render -vf v.vf -e /dev/full -o said.hdr room.rad
 cmp said.hdr plain.hdr || fail "messages on a full disk lost the picture"
+# -e adds to a file, as rpict does: rad and scripts give it to many runs
+for i in 1 2; do
+    draw -e said -o said.hdr --progress=always
+done
+[ "$(grep -c '^radsubmit: job ' said)" -eq 2 ] || fail "-e: $(cat said)"
 for option in -defaults --help --version --rpict-path; do
     expect 74 "cannot write: No space" "$option on a full disk" \
         sh -c "'$radsubmit' $option >/dev/full"
@@ -133,6 +138,19 @@ ln v.vf hard.vf
 refused "'soft.vf' is the view file" -vf v.vf -o soft.vf room.rad
 refused "'hard.vf' is the view file" -vf v.vf -o hard.vf room.rad
 refused "is the view file: -e would" -vf v.vf -e hard.vf -o x.hdr room.rad
+# a file of the scene, which is known as one when -e is open, or the key
+printf 'void brightfunc b 2 one one.cal 0 0\nb plastic w 0 0 5 1 1 1 0 0
+w sphere s 0 0 4 1 1 1 .1\n' | cat - room.rad >with.rad
+echo 'one : 1;' >one.cal
+printf 'user:a:k1 %064d\n' 1 >user.key
+chmod 600 user.key
+cp one.cal before.cal
+cp user.key before.key
+refused "'one.cal' is a file of the scene: -e would" -vf v.vf -e one.cal -o x.hdr \
+    with.rad
+expect 64 "'user.key' is the key: -e would" "-e KEY" env RADD_KEY=user.key \
+    "$radsubmit" --coordinator=127.0.0.1:1 -e user.key -o x.hdr room.rad
+cmp one.cal before.cal && cmp user.key before.key || fail "-e changed a file"
 cp v.vf walk1.hdr
 refused "'walk1.hdr' is the file of views" -S 1 --views=walk1.hdr \
     -o 'walk%d.hdr' room.rad
