@@ -641,7 +641,7 @@ struct client {
     char picture[32], stats[32];
     int interrupts;
     bool interrupt_at_progress, interrupt_when_told;
-    int nsaid, naccepted;
+    int nsaid, naccepted, nreuse;
     bool wonders;
     char reason[100];
 };
@@ -650,6 +650,13 @@ static void
 on_accepted(void *arg)
 {
     ((struct client *)arg)->naccepted++;
+}
+
+static void
+on_reuse(void *arg, const uint8_t *job)
+{
+    (void)job;
+    ((struct client *)arg)->nreuse++;
 }
 
 static bool
@@ -732,6 +739,7 @@ static const struct script {
     int rc;
     double wait_s;
     bool interrupt, detach;
+    bool points;        /* the job is of sensor points */
     bool refused;       /* the job is never accepted */
     bool told;          /* the user is told once why there is no job yet */
     const char *reason; /* what is learned of why nobody is at it */
@@ -759,6 +767,9 @@ static const struct script {
     { "done before", script_is_done_before_cancel, RAD_ETEMPFAIL, 30,
       .interrupt = true,
       .what = "interrupted; the job is done: radctl fetch 0102" },
+    { "values done before", script_is_done_before_cancel, RAD_ETEMPFAIL, 30,
+      .interrupt = true, .points = true,
+      .what = "interrupted; the job is done: submit again with --job=0102" },
     { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, .detach = false },
     { "in the queue", script_is_in_the_queue, 0, .2, .detach = false },
     { "is paused", script_is_paused, 0, .01, .detach = false },
@@ -841,6 +852,7 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
     struct msg_spec spec = { .job = job_id, .params = "-ab 0", .nframes = 1 };
     struct submit_callbacks cb = { .say = on_say,
                                    .accepted = on_accepted,
+                                   .reuse = on_reuse,
                                    .wonders = on_wonders,
                                    .progress = on_progress,
                                    .frame = on_frame,
@@ -865,6 +877,7 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
     spec.files.n = cargo.n;
     spec.files.hash = cargo.hashes;
     spec.windows = 0;
+    spec.flags = s->points ? MSG_JOB_POINTS | MSG_JOB_DEPTH : 0;
     c->interrupt_at_progress = s->interrupt;
     c->interrupt_when_told = s->interrupt && s->told;
     uv_loop_init(&loop);
@@ -908,7 +921,9 @@ LOOP_TEST(conversations_end_as_they_should, N_ELEM(scripts))
         ck_assert_msg(!strstr(err.what, "may have"), "%s", err.what);
     if (s->what || s->told)
         ck_assert_int_eq(c.nsaid, s->told ? 1 : 0);
+    ck_assert_int_le(c.nreuse, 1); /* though it may be accepted again */
     if (s->rc == 0 && !s->detach) {
+        ck_assert_int_eq(c.nreuse, 1);
         ck_assert_str_eq(c.picture, "a picture");
         ck_assert_str_eq(c.stats, "{ }");
     }
