@@ -4,10 +4,12 @@
 
 #include "common/figure.h"
 #include "common/outname.h"
+#include "base/files.h"
 #include "base/output.h"
 #include "trial/progress.h"
 #include "common/table.h"
 #include "link/launch.h"
+#include "link/rescue.h"
 #include "link/target.h"
 #include "tests/scratch.h"
 
@@ -521,4 +523,30 @@ TEST(tables_have_any_length)
     ck_assert_ptr_null(fgets(buf, sizeof buf, f));
     fclose(f);
     json_decref(root);
+}
+
+/* The folder of TMPDIR, or one that is always there. */
+TEST(results_are_saved_where_there_is_a_place)
+{
+    static const uint8_t job[MSG_JOB] = { 0x0a, 0x1b };
+    const char *const tmpdir[] = { dir, "/nonexistent", "relative" };
+
+    for (int i = 0; i < N_ELEM(tmpdir); i++) {
+        unsigned char *bytes;
+        char *path;
+        size_t n;
+
+        setenv("TMPDIR", tmpdir[i], 1);
+        path = rescue_write(job, 3, ".hdr", (const uint8_t *)"light", 5);
+        ck_assert_ptr_nonnull(path);
+        ck_assert(strncmp(path, dir, strlen(dir)) == 0 ? i == 0 : i > 0);
+        ck_assert_ptr_nonnull(strstr(path, "/radsubmit-0a1b0000"));
+        ck_assert_str_eq(path + strlen(path) - 6, "-3.hdr");
+        bytes = rad_file_read(path, 100, &n, NULL);
+        ck_assert_mem_eq(bytes, "light", n);
+        ck_assert_uint_eq(n, 5);
+        free(bytes);
+        unlink(path);
+        free(path);
+    }
 }
