@@ -720,6 +720,31 @@ TEST(finish_sends_what_waits_and_says_nothing)
     close_ends(&e);
 }
 
+/* Its owner may be gone: nothing is said of one that does not read the rest. */
+TEST(finish_ends_in_silence_though_nobody_reads)
+{
+    static uint8_t payload[100000];
+    struct msg m = { .type = MSG_AMBIENT };
+    struct conn *c;
+    struct ends e;
+
+    open_ends(&e, MSG_AT_PEER);
+    m.ambient.count = 1;
+    m.ambient.data = payload;
+    m.ambient.len = sizeof payload;
+    for (int i = 0; i < 50; i++)
+        ck_assert(conn_send(e.conn, &m));
+    c = e.conn;
+    e.conn = NULL;
+    conn_finish(c);
+    run(&e);
+    ck_assert_int_eq(c->state, CONN_FINISHING);
+    c->timer.timer_cb(&c->timer);
+    ck_assert_int_eq(c->state, CONN_CLOSED);
+    ck_assert_int_eq(e.nclosed, 0);
+    close_ends(&e);
+}
+
 TEST(peer_that_goes_while_we_send_is_no_crash)
 {
     static uint8_t payload[100000];
