@@ -62,6 +62,26 @@ printf 'rview -vp %s 0 1\n' 0 .1 .2 >views
 "$radsubmit" --dry-run --stats=many.json -S 1 --views=views $view -ab 0 \
     "$room" >said || fail "an animation"
 grep -q ', 3 frames' said || fail "no frames: $(cat said)"
+# what is said is what the statistics have, in units for people
+python3 - <<'EOF' || fail "$(cat said many.json)"
+import json, re
+unit = {"": 1, " thousand": 1e3, " million": 1e6, " MB": 1e6,
+        " s": 1, " min": 60, " h": 3600}
+stats = json.load(open("many.json"))
+told = stats["predicted"]
+amount = r"([\d.]+)((?: thousand| million| MB| s| min| h)?)"
+said = re.search(
+    fr"^scene +(\d+) objects, {amount} to.*^memory +{amount} of.*"
+    fr"^rays +{amount}, {amount} of them primary; ambient values: {amount}$.*"
+    fr"^time +{amount} of one .*; about {amount}$", open("said").read(),
+    re.M | re.S).groups()
+assert int(said[0]) == stats["scene"]["objects"]
+for at, value in enumerate([stats["scene"]["bundle_bytes"]] + [
+        told[name] for name in ("memory_bytes", "rays", "primary_rays",
+                                "ambient_values", "cpu_s", "wall_s")]):
+    number, of = said[1 + 2 * at:3 + 2 * at]
+    assert abs(float(number) * unit[of] - value) <= .06 * value, (at, value)
+EOF
 
 # a real cluster's threads; nothing is sent
 sock=$work/coord.sock
