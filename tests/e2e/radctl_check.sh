@@ -64,6 +64,12 @@ found = json.load(sys.stdin)
 sys.exit(not (found["sound"] and found["jobs"] == 2 and
               found["problems"] == []))' || fail "the JSON of a sound folder"
 diff -r state sound >diff.out || fail "check changed something: $(cat diff.out)"
+chmod go+w state
+expect 77 "rights are not as radcoord needs them" "a folder that others change" \
+    "$radctl" check "$work/state"
+grep -q '^problem: .*chmod go-w$' stdout && grep -q '^not known: .*; 1 problem$' stdout ||
+    fail "of a folder that others change it says $(cat stdout)"
+chmod go-w state
 
 rm state/jobs/"$id"/0.rows
 says "0.rows' is missing"
