@@ -316,6 +316,22 @@ script_renders(struct player *p)
     player_render(p);
 }
 
+/* More than the client holds of what it has not looked at: it stops reading,
+ * and must go on. */
+static void
+script_says_more_than_fits(struct player *p)
+{
+    static const uint8_t other[MSG_JOB], records[60000];
+    struct msg m = { .type = MSG_RECORDS,
+                     .records = { other, 1, records, sizeof records } };
+
+    player_welcome(p, 1);
+    player_take_job(p, true);
+    player_send_often(p, &m, 200);
+    player_progress(p, 1, 0);
+    player_deliver(p);
+}
+
 /* The client stays, and keeps its place in line. */
 static void
 script_lets_it_wait_its_turn(struct player *p)
@@ -753,6 +769,7 @@ static const struct script {
     { "reason", script_gives_a_reason, 0, 30, .reason = "all are drained" },
     { "no reason", script_gives_no_reason, 0, 30, .reason = "" },
     { "renders", script_renders, 0, 30, .detach = false },
+    { "more than fits", script_says_more_than_fits, 0, 30, .detach = false },
     { "starts again", script_starts_again, 0, 30, .detach = false },
     { "fails", script_fails_the_job, RAD_EINTERNAL, 30, .detach = false },
     { "lacks a worker", script_lacks_a_worker, RAD_EUNAVAIL, 30,
