@@ -6,6 +6,7 @@
 #include "net/address.h"
 #include "net/inifile.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,8 +26,7 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
     int n;
 
     memset(a, 0, sizeof *a);
-    if (strlen(text) >= sizeof a->text)
-        return rad_fail(err, RAD_EUSAGE, "coordinator's address is too long");
+    assert(strlen(text) < sizeof a->text);
     strcpy(a->text, text);
     if (strchr(text, '/')) {
         a->local = true;
@@ -153,14 +153,17 @@ target_note(struct inputs *in, struct rad_error *err)
 }
 
 /* Take the option's value, if it is given, else the variable's. */
-static void
-take_named(char to[LONGEST], const char *given, const char *variable)
+static int
+take_named(char to[LONGEST], const char *given, const char *variable,
+           struct rad_error *err)
 {
-    const char *env = getenv(variable);
+    const char *value = given ? given : getenv(variable);
 
-    if (!given && env)
-        given = env;
-    snprintf(to, LONGEST, "%s", given ? given : "");
+    if (value && strlen(value) >= LONGEST)
+        return rad_fail(err, RAD_EUSAGE,
+                        "coordinator's address or key file is too long");
+    strcpy(to, value ? value : "");
+    return 0;
 }
 
 int
@@ -169,13 +172,11 @@ target_find(struct target *a, const char *given, const char *key,
 {
     struct found f = { .address = "" };
     char path[4096];
-    int rc = 0;
+    int rc;
 
-    if ((given && strlen(given) >= LONGEST) || (key && strlen(key) >= LONGEST))
-        return rad_fail(err, RAD_EUSAGE,
-                        "coordinator's address or key file is too long");
-    take_named(f.address, given, "RADD_COORDINATOR");
-    take_named(f.key, key, "RADD_KEY");
+    if ((rc = take_named(f.address, given, "RADD_COORDINATOR", err)) < 0 ||
+        (rc = take_named(f.key, key, "RADD_KEY", err)) < 0)
+        return rc;
     if (!f.address[0] || (!f.key[0] && !strchr(f.address, '/'))) {
         if (user_file(path, sizeof path))
             rc = read_file(&f, path, err);

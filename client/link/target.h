@@ -27,7 +27,7 @@ struct target {
     char key[1024];  /* a key file, if not local; empty: none */
 };
 
-/* Parse an address; RAD_EUSAGE. */
+/* Parse an address, which has room in a->text; RAD_EUSAGE. */
 int target_parse(struct target *a, const char *text, struct rad_error *err);
 
 /* Find the coordinator.  given, key: of the command line, or NULL.  Returns 1

@@ -185,6 +185,24 @@ TEST(coordinator_comes_from_the_first_place_that_names_one)
     ck_assert_str_eq(err.what, "'key' is there twice");
 }
 
+/* Whoever names them: one that is cut off would be another file's. */
+TEST(no_name_of_a_coordinator_or_key_is_cut_off)
+{
+    struct target t;
+    char name[1100];
+
+    memset(name, 'k', sizeof name - 1);
+    name[sizeof name - 1] = '\0';
+    ck_assert_int_eq(target_find(&t, name, NULL, NULL), RAD_EUSAGE);
+    ck_assert_int_eq(target_find(&t, "ws1:5", name, NULL), RAD_EUSAGE);
+    setenv("RADD_KEY", name, 1);
+    ck_assert_int_eq(target_find(&t, "ws1:5", NULL, NULL), RAD_EUSAGE);
+    unsetenv("RADD_KEY");
+    setenv("RADD_COORDINATOR", name, 1);
+    ck_assert_int_eq(target_find(&t, NULL, NULL, NULL), RAD_EUSAGE);
+    unsetenv("RADD_COORDINATOR");
+}
+
 TEST(coordinator_of_this_machine_is_at_its_socket)
 {
     struct target t;
