@@ -377,7 +377,7 @@ int
 rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
                struct rad_error *err, int code, const char *fmt, ...)
 {
-    char text[sizeof err->what];
+    char text[4 * sizeof err->what]; /* rad_fail() keeps the end, the reason */
     va_list ap;
 
     va_start(ap, fmt);

@@ -104,6 +104,11 @@ printf 'grey sphere most 0 0 4 9 9 9 1\n' >>more.rad
 expect 65 'octree of 6 objects, but its scene files have 7: make it again' \
     $radscene check --commands thawed.oct
 
+# one that holds itself ends, and the reason is told though the way there is long
+printf 'void instance again 1 self.oct 0 0\n' >self.rad
+printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000self.rad\000\000\000\000\000\001\000' >self.oct
+expect 65 'instances are nested more than 64 files deep' $radscene check self.rad
+
 # whoever names an octree does not see its commands: in its own list, in a file
 # that it names, in the octree of an instance
 not_run()

@@ -700,3 +700,18 @@ TEST(errors_in_commands_say_where)
     ck_assert_int_eq(running, 0);
     rad_scene_free(s);
 }
+
+/* The end of a message that is too long tells the reason. */
+TEST(a_long_failure_keeps_its_reason)
+{
+    char message[512], way[400];
+    struct rad_scene *s = load(MAT TRI, message, sizeof message);
+    struct rad_error err = { 0 };
+
+    memset(way, 'w', sizeof way);
+    rad_scene_fail(s, &s->objects[0], &err, RAD_EDATA, "%.*s: the reason",
+                   (int)sizeof way, way);
+    ck_assert_ptr_eq(strstr(err.what, "plastic 'm': ww"), err.what);
+    ck_assert_str_eq(err.what + strlen(err.what) - 13, "w: the reason");
+    rad_scene_free(s);
+}
