@@ -354,10 +354,10 @@ client_failed(struct tls *t, unsigned long e, struct rad_error *err)
     if (ERR_GET_LIB(e) == ERR_LIB_SSL && r == SSL_R_CERTIFICATE_VERIFY_FAILED)
         return rad_fail(err, RAD_EPERM,
                         "does not have the key '%s' but a certificate", t->id);
+    if (is_version_error(e)) /* which may be an alert, too */
+        return rad_fail(err, RAD_EPERM, "speaks an older version of TLS");
     if (ERR_GET_LIB(e) == ERR_LIB_SSL && r >= SSL_AD_REASON_OFFSET)
         return rad_fail(err, RAD_EPERM, "does not take the key '%s'", t->id);
-    if (is_version_error(e))
-        return rad_fail(err, RAD_EPERM, "speaks an older version of TLS");
     return rad_fail(err, RAD_EPROTO, "no TLS: %s", reason ? reason : "?");
 }
 

@@ -389,6 +389,39 @@ use_tls12(struct stranger *x)
     SSL_CTX_set_max_proto_version(x->ctx, TLS1_2_VERSION);
 }
 
+TEST(a_server_of_an_older_tls_is_told)
+{
+    struct tls_ctx *ctx = tls_client();
+    struct tls *ours = tls_dial(ctx, "user:ana:k1", right);
+    struct rad_error err = { 0 };
+    struct stranger x;
+
+    open_stranger(&x, TLS_server_method());
+    self_sign(x.ctx);
+    use_tls12(&x);
+    begin_stranger(&x, true);
+    ck_assert_int_eq(shake_stranger(&x, ours, &err), RAD_EPERM);
+    ck_assert_str_eq(err.what, "speaks an older version of TLS");
+    close_stranger(&x);
+    tls_free(ours);
+    tls_ctx_free(ctx);
+}
+
+TEST(a_server_without_tls_is_told)
+{
+    static const uint8_t answer[] = "HTTP/1.1 400 Bad Request\r\n\r\n";
+    struct tls_ctx *ctx = tls_client();
+    struct tls *ours = tls_dial(ctx, "user:ana:k1", right);
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(tls_handshake(ours, NULL), 0);
+    ck_assert_int_eq(tls_put(ours, answer, sizeof answer - 1, NULL), 0);
+    ck_assert_int_eq(tls_handshake(ours, &err), RAD_EPROTO);
+    ck_assert_msg(strncmp(err.what, "no TLS: ", 8) == 0, "%s", err.what);
+    tls_free(ours);
+    tls_ctx_free(ctx);
+}
+
 static void
 offer_none(struct stranger *x)
 {
