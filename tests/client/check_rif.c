@@ -250,6 +250,28 @@ TEST(a_zone_has_a_volume)
     rif_release(&r);
 }
 
+/* With six digits, as rad has them from getinfo; a side that these leave
+ * nothing of is the cube's. */
+TEST(without_a_zone_the_octree_is_looked_at)
+{
+    static const struct rad_octree cube = { .org = { -1.23456789, 2, 1234567 },
+                                            .size = 0.5 };
+    static const double org[3] = { -1.23457, 2, 1.23457e6 };
+    static const double size[3] = { -0.734568 + 1.23457, 0.5, 0.5 };
+    struct rif_zone z;
+    struct rif r;
+
+    parse(&r, "");
+    ck_assert_int_eq(rif_zone(&r, &cube, &z, NULL), 0);
+    ck_assert(!z.interior);
+    ck_assert_double_eq(z.cube, 0.5);
+    for (int i = 0; i < 3; i++) {
+        ck_assert_double_eq(z.org[i], org[i]);
+        ck_assert_double_eq_tol(z.size[i], size[i], 1e-12);
+    }
+    rif_release(&r);
+}
+
 TEST(an_exposure_is_in_stops_or_a_factor)
 {
     static const struct {
