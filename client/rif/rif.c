@@ -206,16 +206,12 @@ rif_fail(const struct rif *r, enum rif_var v, struct rad_error *err,
     return rad_fail(err, RAD_EDATA, "%s: %s", table[v].name, what);
 }
 
-/* Is text the word, or its beginning, in any case? */
+/* Is text, which is not empty, the word or its beginning, in any case? */
 static bool
 begins(const char *word, const char *text)
 {
-    size_t n = strlen(text);
-
-    if (n == 0 || n > strlen(word))
-        return false;
-    for (size_t i = 0; i < n; i++)
-        if (toupper((unsigned char)text[i]) != word[i])
+    for (; *text; text++, word++)
+        if (toupper((unsigned char)*text) != *word)
             return false;
     return true;
 }
