@@ -23,7 +23,8 @@ try_scene(struct program *p)
                               .files = compile_files(&p->scene),
                               .params = &params,
                               .frames = p->frames.list,
-                              .nframes = p->frames.n };
+                              .nframes = p->frames.n,
+                              .passes = jobspec_passes(&p->o) };
     uint8_t *bytes = NULL;
     int rc = 0;
 

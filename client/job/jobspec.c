@@ -136,16 +136,20 @@ tell_origin(struct jobspec *j, const struct submit_options *o)
  * first picture is made, so with more frames that would come too late. */
 #define MOST_AT_ONCE 32
 
+bool
+jobspec_passes(const struct submit_options *o)
+{
+    if (submit_options_goal(o) || o->reuse)
+        return true;
+    if (o->ambient_way == AMBIENT_NONE)
+        return !o->no_share && !o->fresh_frames;
+    return o->ambient_way == AMBIENT_PASSES;
+}
+
 static uint32_t
 ambient_flags(const struct submit_options *o)
 {
-    bool passes = o->ambient_way == AMBIENT_PASSES;
-
-    if (submit_options_goal(o) || o->reuse)
-        passes = true;
-    else if (o->ambient_way == AMBIENT_NONE)
-        passes = !o->no_share && !o->fresh_frames;
-    if (passes)
+    if (jobspec_passes(o))
         return MSG_JOB_PASSES;
     return o->no_share ? 0 : MSG_JOB_SHARE;
 }

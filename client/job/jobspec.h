@@ -29,6 +29,9 @@ struct jobspec {
     char origin[MSG_MAX_ORIGIN + 1];
 };
 
+/* Is an ambient cache filled in passes, if the options use one? */
+bool jobspec_passes(const struct submit_options *o);
+
 /* Choose a new id; RAD_EINTERNAL. */
 int jobspec_name(struct jobspec *j, struct rad_error *err);
 

@@ -17,7 +17,7 @@
 enum { ANSWER_MS = 5000 };
 
 const struct trial_effort dryrun_effort = {
-    .seconds = 3, .pixels = 1024, .windows = 6, .side = TRIAL_SIDE
+    .seconds = 3, .pixels = 256, .windows = 4, .side = TRIAL_SIDE
 };
 
 /* --- the cluster --- */
@@ -99,7 +99,8 @@ dryrun_predict(struct prediction *p, const struct dryrun_job *job,
                const struct trial_effort *effort, struct rad_error *err)
 {
     struct rad_view view;
-    struct trial_scene tried = { job->scene, &job->files, &view, job->points };
+    struct trial_scene tried = { job->scene, &job->files, &view, job->points,
+                                 job->passes };
     struct trial t;
     double pixels = 0;
     int rc = job->points ? 0 : read_view(&view, job, err);

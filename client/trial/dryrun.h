@@ -32,6 +32,7 @@ struct dryrun_job {
     const struct msg_frame *frames;
     uint32_t nframes;
     const struct rad_points *points; /* NULL: pictures */
+    bool passes;                     /* its ambient cache is filled in passes */
 };
 
 /* Trace some pixels of the scene and predict all frames of the job, or all of

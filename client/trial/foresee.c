@@ -7,13 +7,9 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* A tenth of the effort of --dry-run.  On the rooms of doc/measured.md it
- * foretells all rays within a factor of 1.6, once the number is raised by RARE.
- * Without that it is too low on average, for several workers make some records
- * twice, and a short trial does not meet what is rare in a picture. */
-static const double RARE = 1.2;
+/* A tenth of the effort of --dry-run. */
 static const struct trial_effort SMALL_EFFORT = {
-    .seconds = .3, .pixels = 256, .windows = 4, .side = 32
+    .seconds = .3, .pixels = 128, .windows = 4, .side = 32
 };
 
 struct foresee {
@@ -35,7 +31,7 @@ try_job(void *arg)
 
     effort.stop = &f->stop;
     if (dryrun_predict(&p, &f->job, &effort, &ignored) == 0)
-        f->rays = RARE * p.rays;
+        f->rays = p.rays;
     atomic_store_explicit(&f->done, true, memory_order_release);
     return NULL;
 }

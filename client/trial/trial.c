@@ -3,25 +3,19 @@
 
 #include "trial/trial.h"
 
+#include "light/indirect/ambtile.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 
-/* With more samples of a hemisphere than SMALL_DIV and SMALL_SSAMP together, at
- * most LAST_FULL pixels are traced with all of them. */
-enum {
-    FIRST = 64,
-    MOST_WINDOWS = 32,
-    SMALL_DIV = 64,
-    SMALL_SSAMP = 0,
-    LAST_FULL = 256
-};
+enum { FIRST = 64, MOST_WINDOWS = 32, RECORDS = 64 };
 
 /* Shares of the windows' pixels that are made again, in areas without contrast
  * and at places. */
-#define AREAS_TRIED  (1. / 1000)
+#define AREAS_TRIED  (1. / 300)
 #define PLACES_TRIED (1. / 1500)
 
 static bool
@@ -66,6 +60,85 @@ place(long k, int n, int m, int *x, int *y)
     *y = (int)(m * (v - floor(v)));
 }
 
+/* A job, a frame of it and a thread's context. */
+struct stand {
+    struct rad_job *job;
+    struct rad_frame frame;
+    struct rad_ctx ctx;
+    struct rad_ambtile tile; /* of a frozen cache: the records that are made
+                              * until it ends */
+};
+
+static void
+stand_release(struct stand *s)
+{
+    rad_ambtile_end(&s->tile, &s->ctx);
+    rad_ctx_release(&s->ctx);
+    rad_frame_release(&s->frame);
+    rad_job_free(s->job);
+}
+
+static int
+stand_init(struct stand *s, const struct trial_scene *scene,
+           const struct rad_params *params, struct rad_error *err)
+{
+    int rc = 0;
+
+    s->job = rad_job_new(scene->scene, params, scene->files, err);
+    if (!s->job)
+        return err->code;
+    if (scene->points)
+        rad_frame_of_points(&s->frame, s->job, scene->points, 0);
+    else
+        rc = rad_frame_init(&s->frame, s->job, scene->view, 0, false, err);
+    if (rc == 0 && (rc = rad_ctx_init(&s->ctx, s->job, err)) < 0)
+        rad_frame_release(&s->frame);
+    if (rc < 0) {
+        rad_job_free(s->job);
+        return rc;
+    }
+    s->tile = (struct rad_ambtile){ .own = NULL };
+    if (scene->passes && s->job->ambient) {
+        rad_ambient_freeze(s->job->ambient);
+        rad_ambtile_begin(&s->tile, &s->ctx, 0, 0);
+    }
+    return 0;
+}
+
+/* End the tile: its records go into the frozen cache; with `smooth` pixels see
+ * smoothed values.  Does nothing to a live cache. */
+static int
+keep_records(struct stand *s, bool smooth, struct rad_error *err)
+{
+    struct rad_ambient *amb = s->job->ambient;
+    struct rad_ambrec rec[RECORDS];
+    uint64_t cursor = 0;
+    bool ok = !s->tile.failed;
+    size_t n;
+
+    if (!s->ctx.tile)
+        return 0;
+    while ((n = rad_ambtile_list(&s->tile, &cursor, rec, RECORDS)) > 0)
+        rad_ambient_insert_all(amb, rec, n);
+    rad_ambtile_end(&s->tile, &s->ctx);
+    ok = ok && rad_ambient_settle(amb) && (!smooth || rad_ambient_smooth(amb));
+    return ok ? 0 : rad_fail_memory(err);
+}
+
+static bool
+is_frozen(const struct stand *s)
+{
+    return s->job->ambient && rad_ambient_is_frozen(s->job->ambient);
+}
+
+/* Begin a tile of a frozen cache. */
+static void
+make_records(struct stand *s)
+{
+    if (is_frozen(s))
+        rad_ambtile_begin(&s->tile, &s->ctx, 0, 0);
+}
+
 static struct trial_step
 look(long n, const struct rad_ctx *ctx, double begin)
 {
@@ -87,151 +160,206 @@ trace_place(const struct rad_frame *f, struct rad_ctx *ctx, long k)
 
 /* Trace pixels all over the picture, until most of the effort's seconds are
  * over or a fair part of the pixels is traced. */
-static void
-try_pixels(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
-           const struct trial_effort *e)
+static int
+try_pixels(struct trial *t, struct stand *s, const struct trial_effort *e,
+           struct rad_error *err)
 {
     double begin = cpu_seconds(), seconds = .6 * e->seconds;
-    long most = (long)f->width * f->height / 4 + 1, next = FIRST, n = 0;
-    long full = (long)t->full.pixels;
+    long most = (long)s->frame.width * s->frame.height / 4 + 1;
+    long next = FIRST, n = 0;
+    int rc = 0;
 
-    while (n < most && t->nsteps < 39 && !stopped(e) &&
+    while (rc == 0 && n < most && t->nsteps < 39 && !stopped(e) &&
            (n < e->pixels || cpu_seconds() - begin < seconds)) {
-        trace_place(f, ctx, ++n);
-        if (n == full)
-            t->small = look(n, ctx, begin);
+        trace_place(&s->frame, &s->ctx, ++n);
         if (n == next) {
-            t->step[t->nsteps++] = look(n, ctx, begin);
+            if ((rc = keep_records(s, false, err)) == 0)
+                make_records(s);
+            t->step[t->nsteps++] = look(n, &s->ctx, begin);
             next *= 2;
         }
     }
     if (t->nsteps == 0 || t->step[t->nsteps - 1].pixels < (double)n)
-        t->step[t->nsteps++] = look(n, ctx, begin);
+        t->step[t->nsteps++] = look(n, &s->ctx, begin);
+    return rc < 0 ? rc : keep_records(s, true, err);
 }
 
-/* Trace a window again, with all records in the cache. */
-static int
-again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
-      const struct rad_window *w, struct rad_pixel **rows)
+/* The part of a window that is sampled more densely than the rest of a picture,
+ * because nothing is known of the lines above: its upper half, with whole bars.
+ */
+static struct rad_window
+dense_part(const struct rad_frame *f, const struct rad_window *w)
 {
-    struct rad_counts before = ctx->counts;
-    double begin = cpu_seconds();
-    int rc = rad_frame_window(f, ctx, w, rows);
+    struct rad_window upper = *w;
+    int xstep, ystep;
 
+    rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
+    if (w->height / 2 > ystep)
+        upper.height = (w->height - 1) / 2 / ystep * ystep + 1;
+    return upper;
+}
+
+/* The number of pixels, of `most`, at most `side`, that whole steps and the
+ * sample at their end take. */
+static int
+whole_steps(int most, int side, int step)
+{
+    return most <= side ? most : (side - 1) / step * step + 1;
+}
+
+/* The pixels that the samples of a window stand for: it has a first and a last
+ * column of samples; a picture's windows would share them. */
+static double
+pixels_of(const struct rad_frame *f, const struct rad_window *w)
+{
+    int xstep, ystep;
+
+    rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
+    return (w->width + .5 * (xstep - 1)) * w->height;
+}
+
+/* Trace the upper half of a window again, with all records in the cache. */
+static int
+again(struct trial *t, struct stand *s, const struct rad_window *w,
+      struct rad_pixel **rows)
+{
+    struct rad_counts before = s->ctx.counts;
+    struct rad_window upper = dense_part(&s->frame, w);
+    double begin = cpu_seconds(), primary;
+    int rc = rad_frame_window(&s->frame, &s->ctx, &upper, rows);
+
+    primary = (double)(s->ctx.counts.primary_rays - before.primary_rays);
     t->again_cpu_s += cpu_seconds() - begin;
-    t->again_primary +=
-        (double)(ctx->counts.primary_rays - before.primary_rays);
-    t->again_rays += (double)(ctx->counts.rays - before.rays);
-    ctx->counts = before;
+    t->again_primary += primary;
+    t->again_rays += (double)(s->ctx.counts.rays - before.rays);
+    if (upper.height < w->height) {
+        t->usual_pixels -= pixels_of(&s->frame, &upper);
+        t->usual_primary -= primary;
+    }
+    s->ctx.counts = before;
     return rc;
 }
 
 /* Make some of a window's pixels again, to estimate the error. */
-static void
-look_again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
-           const struct rad_window *w, struct rad_pixel **rows)
+static int
+look_again(struct trial *t, struct stand *s, const struct rad_window *w,
+           struct rad_pixel **rows)
 {
     const struct rad_doubt_share share = { AREAS_TRIED, PLACES_TRIED };
-    struct rad_counts before = ctx->counts;
+    struct rad_counts before = s->ctx.counts;
     double begin = cpu_seconds();
+    int rc = 0;
 
-    rad_doubt_look_at_window(f, ctx, w, (const struct rad_pixel *const *)rows,
-                             &share, NULL, &t->doubt);
+    if (is_frozen(s)) /* its pixels with smoothed records */
+        rc = rad_frame_window(&s->frame, &s->ctx, w, rows);
+    if (rc == 0)
+        rad_doubt_look_at_window(&s->frame, &s->ctx, w,
+                                 (const struct rad_pixel *const *)rows, &share,
+                                 NULL, &t->doubt);
     t->look_cpu_s += cpu_seconds() - begin;
-    ctx->counts = before;
+    s->ctx.counts = before;
+    return rc;
 }
 
 static int
-try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
-            const struct trial_effort *e, struct rad_error *err)
+try_window(struct trial *t, struct stand *s, const struct rad_window *w,
+           struct rad_pixel **rows, struct rad_error *err)
 {
-    int side = e->side;
+    struct rad_counts before = s->ctx.counts;
+    double begin = cpu_seconds(), primary;
+    int rc;
+
+    make_records(s);
+    rc = rad_frame_window(&s->frame, &s->ctx, w, rows);
+    t->cpu_s += cpu_seconds() - begin;
+    if (rc < 0 || (rc = keep_records(s, true, err)) < 0)
+        return rc;
+    primary = (double)(s->ctx.counts.primary_rays - before.primary_rays);
+    t->pixels += (double)w->width * w->height;
+    t->primary += primary;
+    t->usual_pixels += pixels_of(&s->frame, w);
+    t->usual_primary += primary;
+    t->rays += (double)(s->ctx.counts.rays - before.rays);
+    t->records +=
+        (double)(s->ctx.counts.ambient_values - before.ambient_values);
+    rc = look_again(t, s, w, rows);
+    return rc < 0 ? rc : again(t, s, w, rows);
+}
+
+/* Windows that cover a picture evenly, to its edges. */
+struct grid {
+    int columns, rows; /* of windows */
+    int leap;          /* from window to window, so that the first few are
+                        * spread: no factor of it divides their number */
+    struct rad_window window;
+};
+
+static int
+common_factor(int a, int b)
+{
+    return b == 0 ? a : common_factor(b, a % b);
+}
+
+static struct grid
+lay_grid(const struct rad_frame *f, int side)
+{
+    const double golden = .61803398874989485;
+    struct grid g = { 0 };
+    int xstep, ystep, n;
+
+    rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
+    g.window.width = whole_steps(f->width, side, xstep);
+    g.window.height = whole_steps(f->height, side, ystep);
+    g.columns = (f->width + g.window.width - 1) / g.window.width;
+    g.rows = (f->height + g.window.height - 1) / g.window.height;
+    n = g.columns * g.rows;
+    for (g.leap = (int)(golden * n) + 1; common_factor(n, g.leap) > 1;)
+        g.leap++;
+    return g;
+}
+
+/* Where window i of n begins, in a picture of that size. */
+static int
+begin_of(int i, int n, int size, int side)
+{
+    return n > 1 ? (int)((double)i * (size - side) / (n - 1)) : 0;
+}
+
+/* The k-th window to be tried. */
+static const struct rad_window *
+window_at(struct grid *g, const struct rad_frame *f, int k)
+{
+    int n = g->columns * g->rows;
+    int at = (int)(((int64_t)k * g->leap + n / 2) % n);
+    struct rad_window *w = &g->window;
+
+    w->x = begin_of(at % g->columns, g->columns, f->width, w->width);
+    w->y = begin_of(at / g->columns, g->rows, f->height, w->height);
+    return w;
+}
+
+static int
+try_windows(struct trial *t, struct stand *s, const struct trial_effort *e,
+            struct rad_error *err)
+{
+    int side = e->side, n, rc = 0;
     struct rad_pixel *pixels = malloc(sizeof *pixels * (size_t)(side * side));
     struct rad_pixel *rows[TRIAL_SIDE];
-    struct rad_window w = { .width = f->width < side ? f->width : side,
-                            .height = f->height < side ? f->height : side };
-    struct rad_counts before = ctx->counts;
+    struct grid g = lay_grid(&s->frame, side);
     double begin = cpu_seconds(), seconds = .4 * e->seconds;
-    int rc = 0;
 
     if (!pixels)
         return rad_fail_memory(err);
     for (int i = 0; i < side; i++)
         rows[i] = pixels + side * i;
-    for (long k = 1; rc == 0 && k <= MOST_WINDOWS && !stopped(e); k++) {
-        place(k, f->width - w.width + 1, f->height - w.height + 1, &w.x, &w.y);
-        rc = rad_frame_window(f, ctx, &w, rows);
-        if (rc == 0)
-            look_again(t, f, ctx, &w, rows);
-        if (rc == 0)
-            rc = again(t, f, ctx, &w, rows);
-        t->pixels += (double)w.width * w.height;
+    n = g.columns * g.rows < MOST_WINDOWS ? g.columns * g.rows : MOST_WINDOWS;
+    for (int k = 0; rc == 0 && k < n && !stopped(e); k++) {
         if (k >= e->windows && cpu_seconds() - begin > seconds)
             break;
+        rc = try_window(t, s, window_at(&g, &s->frame, k), rows, err);
     }
     free(pixels);
-    t->primary = (double)(ctx->counts.primary_rays - before.primary_rays);
-    t->rays = (double)(ctx->counts.rays - before.rays);
-    t->cpu_s = cpu_seconds() - begin - t->again_cpu_s - t->look_cpu_s;
-    t->records = (double)(ctx->counts.ambient_values - before.ambient_values);
     return rc;
-}
-
-/* A job, a frame of it and a thread's context. */
-struct stand {
-    struct rad_job *job;
-    struct rad_frame frame;
-    struct rad_ctx ctx;
-};
-
-static void
-stand_release(struct stand *s)
-{
-    rad_ctx_release(&s->ctx);
-    rad_frame_release(&s->frame);
-    rad_job_free(s->job);
-}
-
-static int
-stand_init(struct stand *s, const struct trial_scene *scene,
-           const struct rad_params *params, struct rad_error *err)
-{
-    int rc = 0;
-
-    s->job = rad_job_new(scene->scene, params, scene->files, err);
-    if (!s->job)
-        return err->code;
-    if (scene->points)
-        rad_frame_of_points(&s->frame, s->job, scene->points, 0);
-    else
-        rc = rad_frame_init(&s->frame, s->job, scene->view, 0, false, err);
-    if (rc == 0 && (rc = rad_ctx_init(&s->ctx, s->job, err)) < 0)
-        rad_frame_release(&s->frame);
-    if (rc < 0)
-        rad_job_free(s->job);
-    return rc;
-}
-
-/* Trace the first pixels with full hemispheres. */
-static int
-try_full(struct trial *t, const struct trial_scene *scene,
-         const struct rad_params *params, const struct trial_effort *e,
-         struct rad_error *err)
-{
-    struct stand s;
-    double begin;
-    long n = 0;
-    int rc = stand_init(&s, scene, params, err);
-
-    if (rc < 0)
-        return rc;
-    begin = cpu_seconds();
-    do
-        trace_place(&s.frame, &s.ctx, ++n);
-    while (n < LAST_FULL && !stopped(e) && cpu_seconds() - begin < e->seconds);
-    t->full = look(n, &s.ctx, begin);
-    stand_release(&s);
-    return 0;
 }
 
 int
@@ -239,33 +367,19 @@ trial_run(struct trial *t, const struct trial_scene *scene,
           const struct rad_params *params, const struct trial_effort *effort,
           struct rad_error *err)
 {
-    struct rad_params tried = *params, small;
-    struct trial_effort part = *effort;
-    double begin;
+    struct rad_params tried = *params;
+    double begin = cpu_seconds();
     struct stand s;
-    int rc = 0;
+    int rc;
 
     memset(t, 0, sizeof *t);
-    if (params->ambacc > 0 && params->ambounce > TRIAL_BOUNCES) {
+    if (params->ambacc > 0 && params->ambounce > TRIAL_BOUNCES)
         tried.ambounce = TRIAL_BOUNCES;
-        t->untried = params->ambounce - TRIAL_BOUNCES;
-    }
-    small = tried;
-    if (params->ambounce > 0 && params->ambacc > 0 &&
-        params->ambdiv + params->ambssamp > SMALL_DIV + SMALL_SSAMP) {
-        t->samples = (double)(params->ambdiv + params->ambssamp) /
-                     (SMALL_DIV + SMALL_SSAMP);
-        small.ambdiv = SMALL_DIV;
-        small.ambssamp = SMALL_SSAMP;
-        part.seconds /= 2;
-        rc = try_full(t, scene, &tried, &part, err);
-    }
-    begin = cpu_seconds();
-    if (rc < 0 || (rc = stand_init(&s, scene, &small, err)) < 0)
+    if ((rc = stand_init(&s, scene, &tried, err)) < 0)
         return rc;
     t->load_s = cpu_seconds() - begin;
-    try_pixels(t, &s.frame, &s.ctx, &part);
-    rc = try_windows(t, &s.frame, &s.ctx, &part, err);
+    if ((rc = try_pixels(t, &s, effort, err)) == 0)
+        rc = try_windows(t, &s, effort, err);
     if (rc == 0 && stopped(effort))
         rc = fail_stopped(err);
     t->peak_bytes = peak_bytes();

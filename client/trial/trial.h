@@ -3,9 +3,8 @@
  * The scene is made ready as a worker does it, and for a second or two pixels
  * are traced by the same code: first pixels strewn over the picture, which fill
  * the ambient cache as the picture will; then small windows, which the sampler
- * goes over with that cache.  If hemispheres have so many samples (-ad) that
- * this would not get far, it is done with fewer, and the first pixels tell how
- * much longer full hemispheres take.  The rest is extrapolated (trial_predict).
+ * goes over with that cache, and of which some pixels are made again, as the
+ * job will do for its error.  The rest is extrapolated (trial_predict).
  * Thread: one, which it keeps busy. */
 #ifndef RADD_CLIENT_TRIAL_H
 #define RADD_CLIENT_TRIAL_H
@@ -23,18 +22,15 @@ struct trial {
         double pixels, rays, cpu_s, records;
     } step[40];
     int nsteps;
-    /* windows: the sums of the first tracing; "again" of the second, when all
-     * records that they need exist */
+    /* windows: the sums of the first tracing; "again" of the second, of their
+     * upper halves, when all records that they need exist */
     double pixels, primary, rays, cpu_s, records;
     double again_primary, again_rays, again_cpu_s;
-    /* the first strewn pixels with full and with smaller hemispheres, if the
-     * rest was measured with smaller ones; else pixels is 0 */
-    struct trial_step full, small;
+    /* of their lower halves, or of all if they are low: where as many pixels
+     * are traced as in the picture */
+    double usual_pixels, usual_primary;
     double look_cpu_s; /* for making some pixels of the windows again */
-    struct rad_doubt doubt; /* sums over these pixels, with the hemispheres that
-                             * were tried */
-    int untried; /* bounces of the job that the trial did not have */
-    double samples; /* how many times as many samples a full hemisphere has */
+    struct rad_doubt doubt; /* sums over these pixels */
 };
 
 /* The prediction for a picture, or for all frames. */
@@ -53,6 +49,7 @@ struct trial_scene {
     const struct rad_files *files;
     const struct rad_view *view;
     const struct rad_points *points; /* NULL: a picture with that view */
+    bool passes;                     /* its cache is filled in passes */
 };
 
 /* The effort of a trial.  With fewer pixels and windows than these it tells

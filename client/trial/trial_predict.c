@@ -5,9 +5,9 @@
  * the time (or the rays), n pixels and R records, t = a n + b R.  Here b is
  * fitted to the doublings of strewn pixels.  a is taken from windows, where the
  * sampler chooses the pixels and most records that they need exist.  Each
- * window is traced twice: the second time makes no records, so it tells a by
- * itself where a short trial has too few windows and pixels to tell a and b
- * apart.
+ * window is traced twice, the second time its upper half alone: that makes no
+ * records, so it tells a by itself where a short trial has too few windows and
+ * pixels to tell a and b apart.
  * The number of records grows evenly with the logarithm of the pixels once
  * every surface has some, for each doubling asks for records between those.
  * This was measured on an office, a drafting room and a box, from 256 pixels to
@@ -22,10 +22,10 @@
 /* memory of a record, with its places in the cache [bytes] */
 #define RECORD_BYTES 320.
 
-/* Each bounce that was not tried, up to the last that matters, makes records
- * take FURTHER times as much. */
-enum { LAST_BOUNCE = 8 };
-static const double FURTHER = 1.05;
+/* The job's records, by those of the trial: a short trial does not meet what is
+ * rare in a picture, tiles or workers make some records twice, and bounces that
+ * were not tried make a few more. */
+static const double RARE = 1.2;
 
 /* Time or rays t of the strewn pixels are taken to be a n + b R, of n pixels
  * and R records, by least squares over the increments of each doubling,
@@ -176,13 +176,6 @@ price_by_second_time(const struct trial *t, bool time)
     return (struct price){ a, a, cost_of_record(t, time, a) };
 }
 
-/* By how much records are more for the bounces that were not tried. */
-static double
-deeper(const struct trial *t)
-{
-    return pow(FURTHER, fmin(t->untried, LAST_BOUNCE - TRIAL_BOUNCES));
-}
-
 /* Time or rays of the picture: the records that were made and those to come,
  * and pixels as in the windows. */
 static double
@@ -195,55 +188,25 @@ total(const struct trial *t, bool time, double primary, double more_records)
     double strewn = field(last, time) - p.strewn * last->pixels;
     double records = (strewn > 0 ? strewn : 0) + p.record * more_records;
 
-    if (t->small.pixels > 0 && field(&t->small, time) > 0) {
-        /* small hemispheres were tried: the first records lie deep, where
-         * hemispheres are small anyhow; late ones are asked for by primary rays
-         * and get all samples */
-        double first = field(&t->small, time);
-        double more = field(&t->full, time) / first;
-
-        if (first > records)
-            first = records;
-        records = more * first + fmax(more, t->samples) * (records - first);
-    }
-    return deeper(t) * records + p.primary * primary;
-}
-
-/* The sums that the job's passes would give, from those of the trial's cache:
- * there records are fitted to their neighbours, and several serve a place, so
- * errors' squares are a fifth (doc/measured.md).  Full hemispheres have less
- * error than the trial's small ones, but not of extrapolation; the power was
- * fitted on a box and an office at night. */
-static struct rad_doubt
-doubt_of(const struct trial *t)
-{
-    const double passes = .2;
-    struct rad_doubt d = t->doubt;
-    double less = passes * (t->samples > 1 ? pow(t->samples, -.25) : 1);
-
-    d.v[RAD_DOUBT_AMBIENT] *= less;
-    d.v[RAD_DOUBT_SAID] *= less;
-    return d;
+    return RARE * records + p.primary * primary;
 }
 
 void
 trial_predict(const struct trial *t, double pixels, struct prediction *p)
 {
     const struct trial_step *last = &t->step[t->nsteps - 1];
-    struct rad_doubt doubt = doubt_of(t);
     double more, records;
 
-    p->primary_rays = t->pixels > 0 ? pixels * t->primary / t->pixels : pixels;
+    p->primary_rays = t->usual_pixels > 0
+                          ? pixels * t->usual_primary / t->usual_pixels
+                          : pixels;
     more = records_to_come(t, pixels, p->primary_rays);
-    records = last->records + more;
-    if (t->small.records > 0)
-        records *= t->full.records / t->small.records;
-    records *= deeper(t);
+    records = RARE * (last->records + more);
     p->ambient_values = records;
     p->rays = total(t, false, p->primary_rays, more);
     p->load_s = t->load_s;
     p->cpu_s = t->load_s + total(t, true, p->primary_rays, more);
-    p->error = rad_doubt_error(&doubt);
+    p->error = rad_doubt_error(&t->doubt);
     p->bytes = t->peak_bytes + RECORD_BYTES * (records - last->records);
 }
 

@@ -44,6 +44,35 @@ check_close ambient_values
 needs=$(sed -n '/"needs"/,/]/p' dry.json)
 [ "$needs" = "$(sed -n '/"needs"/,/]/p' real.json)" ] || fail "other needs"
 
+# a cache with large hemispheres, which find the sun's patch on the floor: the
+# trial's is as good as the job's
+cat >gap.rad <<'EOF'
+void plastic wall 0 0 5 .7 .7 .7 0 0
+void light sun 0 0 3 6e6 6e6 5e6
+sun source s 0 0 4 .5 -.7 .6 .533
+void glow sky 0 0 4 8 10 14 0
+sky source d 0 0 4 0 0 1 180
+wall polygon f 0 0 12 0 0 0 5 0 0 5 5 0 0 5 0
+wall polygon c 0 0 12 0 0 3 0 5 3 5 5 3 5 0 3
+wall polygon w 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3
+wall polygon e 0 0 12 5 0 0 5 0 3 5 5 3 5 5 0
+wall polygon n 0 0 12 0 5 0 5 5 0 5 5 3 0 5 3
+wall polygon s 0 0 30 0 0 0 0 0 3 5 0 3 5 0 0 1.5 0 0
+    1.5 0 1 3.5 0 1 3.5 0 2.2 1.5 0 2.2 1.5 0 0
+EOF
+look="-vp 4.7 4.7 1.6 -vd -.8 -1 -.15 -vh 75 -vv 60 -x 160 -y 160"
+# shellcheck disable=SC2086
+{
+    "$radsubmit" --dry-run --stats=dry.json $look --quality=medium -ab 3 \
+        gap.rad >said || fail "a room with a gap"
+    "$radsubmit" --local --stats=real.json $look --quality=medium -ab 3 \
+        -o real.hdr gap.rad 2>err || fail "$(cat err)"
+}
+check_close rays
+awk -v a="$(number ambient dry.json)" -v b="$(number ambient real.json)" \
+    'BEGIN { exit !(a > 0 && b > 0 && a < 2 * b && b < 2 * a) }' ||
+    fail "the cache's error: $(grep '"ambient":' dry.json real.json)"
+
 # what a quality promises, where all of its set holds
 # shellcheck disable=SC2086
 {
