@@ -168,6 +168,11 @@ put_work(FILE *to, const json_t *job)
     snprintf(line, sizeof line, "%s since it was submitted",
              ctl_span(time, row_number(job, "elapsed_s")));
     put(to, "time", line);
+    if (json_object_get(job, "left_s")) {
+        snprintf(line, sizeof line, "about %s",
+                 ctl_span(time, row_number(job, "left_s")));
+        put(to, "left", line);
+    }
     if (rays > 0) {
         snprintf(line, sizeof line, "%s million",
                  figure(millions, rays / 1e6, 3));

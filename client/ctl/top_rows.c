@@ -60,11 +60,7 @@ top_ncolumns(enum top_pane pane)
 double
 top_left_s(const json_t *row)
 {
-    double done = row_number(row, "done"), s = row_number(row, "elapsed_s");
-
-    if (strcmp(row_text(row, "state"), "running") != 0 || done < .01)
-        return -1;
-    return s * (1 - done) / done;
+    return json_object_get(row, "left_s") ? row_number(row, "left_s") : -1;
 }
 
 double

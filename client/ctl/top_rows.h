@@ -42,8 +42,7 @@ const char *top_name(enum top_pane pane, const json_t *row);
 double top_value(const struct top *t, enum top_pane pane,
                  const struct top_column *c, const json_t *row);
 
-/* Seconds until the job is done, by the time that it took so far; negative: not
- * known. */
+/* Seconds until the job is done; negative: not known. */
 double top_left_s(const json_t *row);
 
 /* The rows that the filter selects, in their order: *n of them, borrowed, in an

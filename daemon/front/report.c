@@ -329,32 +329,29 @@ report_job(const struct coord *c, const struct job *job, size_t label)
     char text[MSG_MAX_TEXT + 1];
     struct msg_progress p;
     struct job_size size = job_size(job);
-    double done, rows;
+    double left = progress_left_s(job);
     json_t *o;
 
     progress_tell(job, c->now_ms, &p);
     rad_text_print(name, label + 1, "%s", job->spec.name);
-    /* cost is that of whole units, so rows may tell more if units are few */
-    done = p.cost_total > 0 ? p.cost_done / p.cost_total : 0;
-    rows =
-        p.pixels_total > 0 ? (double)p.pixels_done / (double)p.pixels_total : 0;
-    if (rows > done)
-        done = rows;
     o = json_pack(
         "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
         "s:f,s:f,s:f,s:s,s:i}",
         "job", job->hex, "name", name, "owner", job->owner, "state",
-        job_is(job), "priority", (int)job->spec.priority, "done", done,
-        "frames", (json_int_t)job->spec.nframes, "frames_ready",
-        (json_int_t)p.frames_ready, "width", (json_int_t)size.width, "height",
-        (json_int_t)size.height, "oversample", (json_int_t)size.oversample,
-        "units_done", (json_int_t)p.units_done, "units_total",
-        (json_int_t)p.units_total, "units_redone", (json_int_t)p.units_redone,
-        "rays", (json_int_t)p.rays, "workers", (json_int_t)attempt_workers(job),
-        "elapsed_s", p.elapsed_s, "error", p.error, "left_out", p.left_out,
-        "text", why(c, job, text), "status", job->status);
+        job_is(job), "priority", (int)job->spec.priority, "done",
+        progress_share(&p), "frames", (json_int_t)job->spec.nframes,
+        "frames_ready", (json_int_t)p.frames_ready, "width",
+        (json_int_t)size.width, "height", (json_int_t)size.height, "oversample",
+        (json_int_t)size.oversample, "units_done", (json_int_t)p.units_done,
+        "units_total", (json_int_t)p.units_total, "units_redone",
+        (json_int_t)p.units_redone, "rays", (json_int_t)p.rays, "workers",
+        (json_int_t)attempt_workers(job), "elapsed_s", p.elapsed_s, "error",
+        p.error, "left_out", p.left_out, "text", why(c, job, text), "status",
+        job->status);
     if (!o)
         return NULL;
+    if (left >= 0)
+        json_object_set_new(o, "left_s", json_real(left));
     add_traffic(o, job);
     add_passes(o, job);
     add_goal(o, job);

@@ -125,6 +125,7 @@ struct job {
     uint64_t pixels_done, pixels_total;
     double cost_done, cost_total; /* of units, as the partition has costs */
     struct progress_lead lead;
+    struct progress_pace pace;
     uint64_t rays;              /* of units that are done */
     uint64_t estimate_ms;       /* how long the estimate took */
     struct msg_counts surveyed; /* counts of the estimate */

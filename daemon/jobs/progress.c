@@ -9,6 +9,13 @@
 #include <math.h>
 #include <string.h>
 
+#define PACE_S 1. /* the least time from look to look */
+
+/* So many seconds of workers and so large a share tell how long the rest takes.
+ */
+#define ENOUGH_S 3.
+#define ENOUGH   .02
+
 /* a + b, but b adds nothing beyond `most`. */
 static uint64_t
 add_up_to(uint64_t a, uint64_t b, uint64_t most)
@@ -115,4 +122,48 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .goal_error = job->goal.error,
     };
     memcpy(p->faults, job->faults, sizeof p->faults);
+}
+
+/* Costs are those of whole units, so rows may tell more if units are few. */
+double
+progress_share(const struct msg_progress *p)
+{
+    double done = p->cost_total > 0 ? p->cost_done / p->cost_total : 0;
+    double rows = p->pixels_total > 0
+                      ? (double)p->pixels_done / (double)p->pixels_total
+                      : 0;
+
+    return fmax(done, rows);
+}
+
+void
+progress_pace(struct job *job, uint64_t now_ms, uint32_t workers)
+{
+    struct progress_pace *p = &job->pace;
+    double dt_s = (double)(now_ms - p->look_ms) / 1000;
+    struct msg_progress now;
+
+    if (p->look_ms > 0 && workers == p->workers && dt_s < PACE_S)
+        return;
+    progress_tell(job, now_ms, &now);
+    p->share = progress_share(&now);
+    if (p->look_ms == 0 || p->share < p->first_share) {
+        p->first_share = p->share;
+        p->work_s = 0;
+    } else
+        p->work_s += dt_s * p->workers;
+    p->look_ms = now_ms;
+    p->workers = workers;
+}
+
+double
+progress_left_s(const struct job *job)
+{
+    const struct progress_pace *p = &job->pace;
+    double gain = p->share - p->first_share;
+
+    if (job->state != JOB_RUNNING || p->workers == 0 || p->work_s < ENOUGH_S ||
+        !(gain >= ENOUGH))
+        return -1;
+    return fmax(1 - p->share, 0) / gain * p->work_s / p->workers;
 }

@@ -6,6 +6,7 @@
 
 #include "picture/doubt.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct job;
@@ -16,6 +17,15 @@ struct msg_progress;
 struct progress_lead {
     double part; /* the passes' share of all work of the job; 0: no passes */
     double done; /* share of the passes' work that is done; it never shrinks */
+};
+
+/* The work that workers have put into a job in this life of the coordinator. */
+struct progress_pace {
+    double work_s;      /* seconds of workers: two at once count twice */
+    double first_share; /* share of the job that was done before */
+    double share;       /* when the job was last looked at */
+    uint64_t look_ms;   /* then; 0: not yet */
+    uint32_t workers;   /* that were at the job then */
 };
 
 /* Bring job.rays_seen and job.pixels_seen up to date; called when a unit is
@@ -34,5 +44,15 @@ double progress_left_out(const struct job *job);
 /* Fill in the PROGRESS message of the job, but for its workers: 0. */
 void progress_tell(const struct job *job, uint64_t now_ms,
                    struct msg_progress *p);
+
+/* The share of the job's work that is done. */
+double progress_share(const struct msg_progress *p);
+
+/* Look at the job's pace; workers: so many are at it.  Called every tick. */
+void progress_pace(struct job *job, uint64_t now_ms, uint32_t workers);
+
+/* Seconds that the job will still take with the workers that are at it, if each
+ * does as much as one did so far; < 0: not known yet, or no worker is at it. */
+double progress_left_s(const struct job *job);
 
 #endif

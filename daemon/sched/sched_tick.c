@@ -3,10 +3,12 @@
 
 #include "sched/sched.h"
 
+#include "desk/attempt.h"
 #include "desk/desk.h"
 #include "desk/speed.h"
 #include "jobs/go.h"
 #include "jobs/job.h"
+#include "jobs/progress.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
 #include "sched/balance.h"
@@ -45,7 +47,11 @@ sched_tick(struct coord *c)
     for (size_t i = 0; i < c->nbegun; i++) {
         struct job *job = c->jobs[i];
 
-        if (job_over(job) || !job->partition)
+        if (job_over(job))
+            continue;
+        progress_pace(job, c->now_ms,
+                      job->state == JOB_RUNNING ? attempt_workers(job) : 0);
+        if (!job->partition)
             continue;
         speed_measure(c, job);
         loss_tick(c, job);

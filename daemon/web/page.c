@@ -178,10 +178,5 @@ page_done(struct markup *m, const json_t *job)
 double
 page_left(const json_t *job)
 {
-    double done = markup_number(job, "done");
-
-    if (strcmp(markup_member(job, "state"), "running") != 0 || done < .02 ||
-        done >= 1)
-        return -1;
-    return markup_number(job, "elapsed_s") * (1 - done) / done;
+    return json_object_get(job, "left_s") ? markup_number(job, "left_s") : -1;
 }

@@ -81,7 +81,8 @@ static const char jobs[] =
     "\"rays\":0,\"elapsed_s\":0,\"workers\":0},"
     "{\"job\":\"aa000000000000000000000000000000\",\"name\":\"room\","
     "\"owner\":\"ana\",\"state\":\"running\",\"priority\":0,\"done\":0.25,"
-    "\"rays\":%d,\"elapsed_s\":30,\"workers\":2,\"error\":0.034,\"pass\":3,\"passes\":7,"
+    "\"rays\":%d,\"elapsed_s\":30,\"left_s\":90,\"workers\":2,\"error\":0.034,"
+    "\"pass\":3,\"passes\":7,"
     "\"pass_done\":0.5,\"units_done\":2,\"units_total\":4,\"text\":\"\"}]";
 static const char stats[] =
     "{\"job\":\"aa000000000000000000000000000000\","

@@ -4,6 +4,8 @@
 
 #include "coord_fixture.h"
 
+#include "jobs/progress.h"
+
 FIXTURE(set_up, tear_down)
 
 /* --- every job can be cancelled, and who does hears of it --- */
@@ -670,6 +672,36 @@ TEST(a_job_whose_text_is_cut_is_told_of)
 }
 
 /* Half of a job's only unit is there. */
+static double
+left_s(void)
+{
+    wait_s(1);
+    return progress_left_s(desk_find_job(f.c, job_a));
+}
+
+/* A job waits for hours, then has one worker and then two, is paused, and goes
+ * on. */
+TEST(time_left_goes_by_the_time_that_workers_took)
+{
+    submit(ANA, job_a, 0);
+    wait_s(10000);
+    ck_assert_double_lt(left_s(), 0);
+    ready(WORKER, job_a);
+    wait_s(38);
+    result(WORKER, job_a, 0, 1);
+    ck_assert_double_eq_tol(left_s(), 3 * 39, 3);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
+    ck_assert_double_eq_tol(left_s(), 3 * 40 / 2., 3);
+    about(ANA, MSG_PAUSE, job_a);
+    wait_s(10000);
+    ck_assert_double_lt(left_s(), 0);
+    about(ANA, MSG_RESUME, job_a);
+    ck_assert_double_eq_tol(left_s(), 3 * 42 / 2., 5);
+    about(ANA, MSG_CANCEL, job_a);
+    ck_assert_double_lt(left_s(), 0);
+}
+
 TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
 {
 #define ROW "\2\2\0\10\210\1\210\2\210\3\210\4"
