@@ -53,11 +53,11 @@ attempt_rate(const struct coord *c, struct coord_worker *w)
 
 /* The number of lines that the attempt has: the unit's, or 1 for a loan. */
 static uint32_t
-lines_of(const struct job *job, uint32_t unit, const struct job_go *go)
+lines_of(const struct job *job, const struct job_go *go)
 {
     uint32_t first, last;
 
-    partition_unit_lines(job->partition, unit, &first, &last);
+    partition_unit_lines(job->partition, go->unit, &first, &last);
     return go->origin == GO_LOAN ? 1 : last - first;
 }
 
@@ -100,11 +100,11 @@ attempt_survey(struct job *job, uint32_t index, uint32_t chunk)
 }
 
 static void
-more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
+more_in_flight(struct job *job, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
-    go->lines = lines_of(job, unit, go);
+    go->lines = lines_of(job, go);
     jw->lines += go->lines;
     jw->in_flight++;
     count_threads(job, jw);
@@ -131,7 +131,7 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
 }
 
 void
-attempt_step(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
+attempt_step(struct coord *c, struct job *job, struct job_go *go,
              enum go_state to)
 {
     struct job_worker *jw = &job->workers[go->worker];
@@ -149,7 +149,7 @@ attempt_step(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
     if (from == GO_WORKING)
         less_in_flight(c, job, jw, go);
     if (to == GO_WORKING)
-        more_in_flight(job, unit, go);
+        more_in_flight(job, go);
     else
         c->stirred = true;
     if (waits)
@@ -157,14 +157,14 @@ attempt_step(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
 }
 
 void
-attempt_shrunk(struct job *job, uint32_t unit, struct job_go *go)
+attempt_shrunk(struct job *job, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
     if (!go_works(go))
         return;
     jw->lines -= go->lines;
-    go->lines = lines_of(job, unit, go);
+    go->lines = lines_of(job, go);
     jw->lines += go->lines;
 }
 
@@ -179,21 +179,20 @@ attempt_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     go->worker = index;
     go->attempt = attempt;
     go->out_ms = c->now_ms;
-    attempt_step(c, job, unit, go, GO_WORKING);
+    attempt_step(c, job, go, GO_WORKING);
     return go;
 }
 
 void
-attempt_top_made(struct coord *c, struct job *job, uint32_t unit,
-                 struct job_go *go)
+attempt_top_made(struct coord *c, struct job *job, struct job_go *go)
 {
     struct partition_area a;
     uint32_t first, last;
 
     if (!go->handoff.makes_top)
         return;
-    partition_area(job->partition, unit, &a);
-    partition_unit_lines(job->partition, unit, &first, &last);
+    partition_area(job->partition, go->unit, &a);
+    partition_unit_lines(job->partition, go->unit, &first, &last);
     go->handoff.makes_top = false;
     partition_keep_line(job->partition, a.frame, first - 1, false);
     c->stirred = true;
@@ -210,10 +209,9 @@ attempt_send_back(struct coord *c, const struct coord_worker *to,
 }
 
 static void
-end_loan(struct coord *c, struct job *job, uint32_t unit,
-         const struct job_go *loan)
+end_loan(struct coord *c, struct job *job, const struct job_go *loan)
 {
-    struct job_go *to = go_of_attempt(job, unit, loan->lending.lender);
+    struct job_go *to = go_of_attempt(job, loan->unit, loan->lending.lender);
     uint32_t first, last;
 
     if (!to)
@@ -221,24 +219,24 @@ end_loan(struct coord *c, struct job *job, uint32_t unit,
     to->lending.loans--;
     if (to->state == GO_DELIVERED)
         return;
-    partition_unit_lines(job->partition, unit, &first, &last);
+    partition_unit_lines(job->partition, loan->unit, &first, &last);
     attempt_send_back(c, job->workers[to->worker].worker,
-                      &(struct msg_back){ job->id, unit, to->attempt, last - 1,
-                                          loan->lending.x, loan->lending.n });
+                      &(struct msg_back){ job->id, loan->unit, to->attempt,
+                                          last - 1, loan->lending.x,
+                                          loan->lending.n });
     if (to->state == GO_BLOCKED)
-        attempt_step(c, job, unit, to, GO_WORKING);
+        attempt_step(c, job, to, GO_WORKING);
 }
 
 void
-attempt_release(struct coord *c, struct job *job, uint32_t unit,
-                struct job_go *go)
+attempt_release(struct coord *c, struct job *job, struct job_go *go)
 {
     if (go->origin == GO_LOAN)
-        end_loan(c, job, unit, go);
-    attempt_step(c, job, unit, go, GO_OVER);
+        end_loan(c, job, go);
+    attempt_step(c, job, go, GO_OVER);
     if (job->shared)
-        attempt_top_made(c, job, unit, go);
-    go_remove(job, unit, go);
+        attempt_top_made(c, job, go);
+    go_remove(job, go);
 }
 
 void
@@ -257,19 +255,19 @@ attempt_forget_rows(struct job *job, uint32_t unit)
 }
 
 bool
-attempt_shrink(struct coord *c, struct job *job, uint32_t unit,
-               struct job_go *go, uint32_t height)
+attempt_shrink(struct coord *c, struct job *job, struct job_go *go,
+               uint32_t height)
 {
-    uint32_t given = height >= job->units[unit].next_row
-                         ? partition_give(job->partition, unit, height)
+    uint32_t given = height >= job->units[go->unit].next_row
+                         ? partition_give(job->partition, go->unit, height)
                          : PARTITION_NONE;
 
     if (given == PARTITION_NONE)
         return false;
     if (!unit_grow(job))
         c->actions.failed = true;
-    attempt_shrunk(job, unit, go);
-    desk_keep_unit(c, job, unit);
+    attempt_shrunk(job, go);
+    desk_keep_unit(c, job, go->unit);
     desk_keep_unit(c, job, given);
     return true;
 }

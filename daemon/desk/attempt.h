@@ -15,8 +15,8 @@ struct job_go *attempt_add(struct coord *c, struct job *job, uint32_t index,
 bool attempt_revive(struct coord *c, struct job *job, uint32_t index,
                     uint32_t unit);
 /* Change the attempt's state, and the worker's counts of attempts. */
-void attempt_step(struct coord *c, struct job *job, uint32_t unit,
-                  struct job_go *go, enum go_state to);
+void attempt_step(struct coord *c, struct job *job, struct job_go *go,
+                  enum go_state to);
 /* The worker makes tiles for the job from now on, or with NULL for none: its
  * threads count for the job's payer between tiles, too, until it gets a unit,
  * or tiles of another job. */
@@ -25,20 +25,18 @@ void attempt_fill(struct coord_worker *w, struct job *job);
  * 1; 0: none.  Its threads count as those of a worker that makes tiles do. */
 void attempt_survey(struct job *job, uint32_t index, uint32_t chunk);
 /* Count the attempt's lines again: the unit was cut. */
-void attempt_shrunk(struct job *job, uint32_t unit, struct job_go *go);
+void attempt_shrunk(struct job *job, struct job_go *go);
 /* Cut a unit after `height` rows, which are all that the attempt will do: the
  * rest becomes a new unit.  False: no line ends after so many rows, or more
  * rows have come. */
-bool attempt_shrink(struct coord *c, struct job *job, uint32_t unit,
-                    struct job_go *go, uint32_t height);
+bool attempt_shrink(struct coord *c, struct job *job, struct job_go *go,
+                    uint32_t height);
 /* End the attempt and free it; pointers to other attempts at the unit become
  * invalid. */
-void attempt_release(struct coord *c, struct job *job, uint32_t unit,
-                     struct job_go *go);
+void attempt_release(struct coord *c, struct job *job, struct job_go *go);
 /* Note that the attempt has made the base line above its unit, or will not make
  * it: if the attempt was to, the unit above may go to other workers again. */
-void attempt_top_made(struct coord *c, struct job *job, uint32_t unit,
-                      struct job_go *go);
+void attempt_top_made(struct coord *c, struct job *job, struct job_go *go);
 /* Send BACK to a worker: columns that it lent are its own again. */
 void attempt_send_back(struct coord *c, const struct coord_worker *to,
                        const struct msg_back *back);

@@ -52,12 +52,12 @@ speed_touch(const struct coord *c, struct job_worker *jw)
 }
 
 void
-speed_finished(struct job *job, uint32_t unit, struct job_go *go)
+speed_finished(struct job *job, struct job_go *go)
 {
     if (go->counted)
         return;
     go->counted = true;
-    job->speed.finished += partition_cost(job->partition, unit);
+    job->speed.finished += partition_cost(job->partition, go->unit);
 }
 
 /* Rays that a thread of the worker traces in a ms of work; 0: not known yet. */
@@ -160,12 +160,12 @@ speed_cost(const struct job *job, uint32_t index, double ms)
 }
 
 double
-speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
+speed_left_ms(const struct coord *c, const struct job *job,
               const struct job_go *go)
 {
     const struct job_worker *jw = &job->workers[go->worker];
-    const struct job_unit *u = &job->units[unit];
-    double cost = partition_cost(job->partition, unit), rate, ms, past;
+    const struct job_unit *u = &job->units[go->unit];
+    double cost = partition_cost(job->partition, go->unit), rate, ms, past;
     struct partition_area a;
     double part;
 
@@ -175,7 +175,7 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
     ms = cost / rate;
     if (u->lead == go->attempt && u->next_row > 0) {
         /* at the attempt's own pace, since parts of a picture differ */
-        partition_area(job->partition, unit, &a);
+        partition_area(job->partition, go->unit, &a);
         part = (double)u->next_row / a.height;
         return (double)(c->now_ms - go->out_ms) * (1 - part) /
                (part + LINES_FIRST);

@@ -98,14 +98,14 @@ go_add(struct job *job, uint32_t unit)
     }
     if (u->state != UNIT_OUT)
         unit_step(u, UNIT_OUT);
-    memset(&u->go[u->ngos], 0, sizeof *u->go);
+    u->go[u->ngos] = (struct job_go){ .unit = unit };
     return &u->go[u->ngos++];
 }
 
 void
-go_remove(struct job *job, uint32_t unit, struct job_go *go)
+go_remove(struct job *job, struct job_go *go)
 {
-    struct job_unit *u = &job->units[unit];
+    struct job_unit *u = &job->units[go->unit];
 
     *go = u->go[--u->ngos];
     if (u->ngos > 0)

@@ -66,8 +66,9 @@ struct go_handoff {
 };
 
 struct job_go {
-    uint32_t worker;     /* index in job.workers */
+    uint32_t unit;       /* the attempt is at this unit; set by go_add() */
     uint32_t attempt;    /* number of the attempt, unique for the unit */
+    uint32_t worker;     /* index in job.workers */
     enum go_state state; /* changed by go_step() alone */
     enum go_origin origin;
     enum go_rows rows;
@@ -97,12 +98,12 @@ bool go_works(const struct job_go *go);
 /* Is the attempt parked, blocked or yielding? */
 bool go_waits(const struct job_go *go);
 
-/* Add a zeroed attempt at a unit, which is then UNIT_OUT and in job->out.
- * NULL: the unit has too many attempts, or memory is out. */
+/* Add an attempt at a unit, which is then UNIT_OUT and in job->out; all but
+ * its unit is 0.  NULL: the unit has too many attempts, or memory is out. */
 struct job_go *go_add(struct job *job, uint32_t unit);
-/* Remove an attempt.  The unit's last attempt moves to its place; a unit
+/* Remove an attempt.  Its unit's last attempt moves to its place; a unit
  * without attempts leaves job->out. */
-void go_remove(struct job *job, uint32_t unit, struct job_go *go);
+void go_remove(struct job *job, struct job_go *go);
 
 /* Find the unit's attempt by its worker, by worker and number, or by number.
  * NULL: there is none. */

@@ -65,13 +65,13 @@ conn_of(const struct job *job, const struct job_go *go)
  * too (MSG_UNIT_TOP), and no other worker gets the line above until it is made.
  */
 uint8_t
-handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
+handoff_flags(struct job *job, struct job_go *go)
 {
     uint32_t first, last;
-    uint32_t frame = lines_of_unit(job, unit, &first, &last);
-    uint8_t flags = job->units[unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
+    uint32_t frame = lines_of_unit(job, go->unit, &first, &last);
+    uint8_t flags = job->units[go->unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
 
-    if (flags == 0 && partition_unit_bars(job->partition, unit))
+    if (flags == 0 && partition_unit_bars(job->partition, go->unit))
         flags |= MSG_UNIT_BARS;
     if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
         unit_at(job, frame, first - 1) != PARTITION_NONE)
@@ -83,13 +83,13 @@ handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
 
 /* Is that line the top of the attempt's unit, which the attempt makes? */
 static bool
-is_making_top(const struct job *job, uint32_t unit, const struct job_go *go,
-              uint32_t frame, uint32_t line)
+is_making_top(const struct job *job, const struct job_go *go, uint32_t frame,
+              uint32_t line)
 {
     uint32_t first, last;
 
     return go->handoff.makes_top &&
-           lines_of_unit(job, unit, &first, &last) == frame &&
+           lines_of_unit(job, go->unit, &first, &last) == frame &&
            first == line + 1;
 }
 
@@ -160,14 +160,13 @@ send_next_holder(struct coord *c, struct job *job, uint32_t above,
 /* An attempt begins: tell the workers of the unit above of it, and its worker
  * of the unit below, and link them. */
 static void
-introduce(struct coord *c, struct job *job, uint32_t unit,
-          const struct job_go *go)
+introduce(struct coord *c, struct job *job, const struct job_go *go)
 {
     uint32_t first, last, other;
-    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+    uint32_t frame = lines_of_unit(job, go->unit, &first, &last);
 
     other = first > 0 ? unit_at(job, frame, first - 1) : PARTITION_NONE;
-    if (other != PARTITION_NONE && job->units[unit].ngos == 1)
+    if (other != PARTITION_NONE && job->units[go->unit].ngos == 1)
         send_next_holder(c, job, other, frame, first - 1, go);
     other = unit_at(job, frame, last);
     if (other != PARTITION_NONE && job->units[other].ngos > 0) {
@@ -183,10 +182,10 @@ introduce(struct coord *c, struct job *job, uint32_t unit,
 }
 
 void
-handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+handoff_out(struct coord *c, struct job *job, struct job_go *go)
 {
     uint32_t first, last;
-    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+    uint32_t frame = lines_of_unit(job, go->unit, &first, &last);
 
     if (first > 0 && shared_whole_ms(job->shared, frame, first - 1) == 0) {
         send_facts(c, job, frame, first - 1, go);
@@ -196,7 +195,7 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         send_facts(c, job, frame, i, go);
     if (first > 0)
         send_base(c, job, frame, first - 1, go);
-    introduce(c, job, unit, go);
+    introduce(c, job, go);
 }
 
 /* Facts are not sent: the worker's child still has them. */
@@ -212,7 +211,7 @@ handoff_back(struct coord *c, struct job *job, uint32_t index)
             continue;
         if (first > 0)
             send_base(c, job, frame, first - 1, go);
-        introduce(c, job, unit, go);
+        introduce(c, job, go);
     }
 }
 
@@ -246,12 +245,11 @@ pass_below(struct coord *c, const struct job *job, uint32_t from,
 
 /* Can the attempt use facts of the line?  A loan cannot. */
 static bool
-wants(const struct job *job, uint32_t unit, const struct job_go *go,
-      uint32_t line)
+wants(const struct job *job, const struct job_go *go, uint32_t line)
 {
     uint32_t first, last;
 
-    partition_unit_lines(job->partition, unit, &first, &last);
+    partition_unit_lines(job->partition, go->unit, &first, &last);
     return go->origin != GO_LOAN && line + 1 >= first && line < last;
 }
 
@@ -269,7 +267,7 @@ pass_on(struct coord *c, const struct job *job, uint32_t from,
     u = &job->units[unit];
     pass.facts.job = job->id;
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].worker != from && wants(job, unit, &u->go[i], m->line))
+        if (u->go[i].worker != from && wants(job, &u->go[i], m->line))
             actions_send(&c->actions, conn_of(job, &u->go[i]), &pass);
     if (go_of_worker(job, unit, from))
         pass_below(c, job, from, &pass);
@@ -298,9 +296,9 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
     struct job_go *go =
         below != PARTITION_NONE ? go_of_worker(job, below, index) : NULL;
 
-    if (go && is_making_top(job, below, go, m->frame, m->line) &&
+    if (go && is_making_top(job, go, m->frame, m->line) &&
         shared_of_base(job->shared, m))
-        attempt_top_made(c, job, below, go);
+        attempt_top_made(c, job, go);
 }
 
 void
@@ -412,7 +410,7 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
                        */
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].state == GO_PARKED)
-            attempt_step(c, job, unit, &u->go[i], GO_WORKING);
+            attempt_step(c, job, &u->go[i], GO_WORKING);
 }
 
 /* May the worker send lines of the unit?  It has an attempt, or had the last
@@ -474,13 +472,13 @@ handoff_parked(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (!go || go->origin == GO_LOAN || go->state != GO_WORKING ||
         (go->parked_ms != 0 && go->lending.line_ms == 0))
         return;
-    desk_log_unit(c, job, m->unit, go, "unit parked");
-    attempt_top_made(c, job, m->unit, go);
-    speed_finished(job, m->unit, go);
+    desk_log_unit(c, job, go, "unit parked");
+    attempt_top_made(c, job, go);
+    speed_finished(job, go);
     if (lending_parked(c, go))
-        attempt_step(c, job, m->unit, go, GO_BLOCKED);
+        attempt_step(c, job, go, GO_BLOCKED);
     else if (!has_work_to_come(job, m->unit))
-        attempt_step(c, job, m->unit, go, GO_PARKED);
+        attempt_step(c, job, go, GO_PARKED);
     else
         go->parked_ms = c->now_ms; /* the top is on its way to the attempt */
     offer_top(c, job, m->unit);
@@ -523,6 +521,6 @@ handoff_tick(struct coord *c, struct job *job)
         offer_top(c, job, job->out[i]);
         for (uint8_t k = 0; k < u->ngos; k++)
             if (c->now_ms - u->go[k].out_ms >= TOP_UNMADE_MS)
-                attempt_top_made(c, job, job->out[i], &u->go[k]);
+                attempt_top_made(c, job, &u->go[k]);
     }
 }

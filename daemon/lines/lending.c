@@ -60,33 +60,34 @@ line_time(const struct job *job, uint32_t unit, uint32_t index)
 /* Time that the attempt still needs for the line that it would lend of [ms].  A
  * line that has taken longer than expected may take as long again. */
 static double
-lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
+lendable_ms(const struct coord *c, const struct job *job,
             const struct job_go *go)
 {
     double ms;
 
     if (go->lending.line_ms == 0)
-        return speed_left_ms(c, job, unit, go);
-    ms = go->lending.line_left * line_time(job, unit, go->worker);
+        return speed_left_ms(c, job, go);
+    ms = go->lending.line_left * line_time(job, go->unit, go->worker);
     return fabs(ms - (double)(c->now_ms - go->lending.line_ms));
 }
 
 /* May the attempt be asked to lend?  Not if it can give whole lines away. */
 static bool
-may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
+may_lend(const struct job *job, const struct job_go *go)
 {
     uint32_t first, last;
 
-    partition_unit_lines(job->partition, unit, &first, &last);
+    partition_unit_lines(job->partition, go->unit, &first, &last);
     return go_works(go) && go->split_ms == 0 && go->lending.asked_ms == 0 &&
            go->lending.blocked_ms == 0 &&
-           (job->units[unit].whole || last - first == 1 || !desk_splits(job));
+           (job->units[go->unit].whole || last - first == 1 ||
+            !desk_splits(job));
 }
 
 /* Of the attempts that may lend, the one with the most time left; NULL: none.
  */
 static struct job_go *
-choose_lender(const struct coord *c, const struct job *job, uint32_t *unit)
+choose_lender(const struct coord *c, const struct job *job)
 {
     struct job_go *best = NULL;
     double most = LEAST_LOAN_MS;
@@ -99,13 +100,12 @@ choose_lender(const struct coord *c, const struct job *job, uint32_t *unit)
         for (uint8_t k = 0; k < u->ngos; k++) {
             double ms;
 
-            if (!may_lend(job, job->out[i], &u->go[k]))
+            if (!may_lend(job, &u->go[k]))
                 continue;
-            ms = lendable_ms(c, job, job->out[i], &u->go[k]);
+            ms = lendable_ms(c, job, &u->go[k]);
             if (ms >= most) {
                 most = ms;
                 best = &u->go[k];
-                *unit = job->out[i];
             }
         }
     }
@@ -144,22 +144,22 @@ idle_for(const struct job *job, uint32_t unit)
 void
 lending_ask(struct coord *c, struct job *job, uint32_t idle)
 {
-    uint32_t asked = count_lending(c, job), unit = 0;
+    uint32_t asked = count_lending(c, job);
     uint32_t index = idle_for(job, PARTITION_NONE);
     struct job_go *go;
 
     if (index == JOB_NOBODY)
         return;
-    while (asked < idle && (go = choose_lender(c, job, &unit))) {
+    while (asked < idle && (go = choose_lender(c, job))) {
         double mine = thread_speed(job, index);
         double part = mine / (mine + thread_speed(job, go->worker));
         struct msg m = { .type = MSG_LEND,
-                         .lend = { job->id, unit, go->attempt,
+                         .lend = { job->id, go->unit, go->attempt,
                                    (uint16_t)(65535 * part) } };
 
         go->lending.asked_ms = c->now_ms;
         asked++;
-        desk_log_unit(c, job, unit, go, "unit lend");
+        desk_log_unit(c, job, go, "unit lend");
         actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
     }
 }
@@ -177,10 +177,10 @@ lending_parked(const struct coord *c, struct job_go *go)
  * or from the time that the lender took for the rest of the line if that was
  * longer for its length. */
 static double
-loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
+loan_time(const struct job *job, const struct job_go *lender,
           const struct job_go *loan)
 {
-    double line = line_time(job, unit, loan->worker), took = 0;
+    double line = line_time(job, loan->unit, loan->worker), took = 0;
 
     /* line_ms may be after blocked_ms: the attempt may lend again when it has
      * waited for its top, or when LEND and PARKED cross */
@@ -196,18 +196,18 @@ loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
  * long.  A lender that is to give its unit back does not wait: its loans end
  * with its attempt. */
 static bool
-is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
+is_late_loan(const struct coord *c, const struct job *job,
              const struct job_go *loan)
 {
     const struct job_go *lender =
-        go_of_attempt(job, unit, loan->lending.lender);
+        go_of_attempt(job, loan->unit, loan->lending.lender);
     double ms = (double)(c->now_ms - loan->out_ms), due;
 
     if (!lender || job->workers[loan->worker].worker->hangs)
         return true;
     if (lender->state != GO_BLOCKED)
         return false;
-    due = loan_time(job, unit, lender, loan);
+    due = loan_time(job, lender, loan);
     return ms >= (due > 0 ? LATE_LOAN_MS + LATE_LOANS * due : UNKNOWN_LOAN_MS);
 }
 
@@ -215,16 +215,16 @@ void
 lending_tick(struct coord *c, struct job *job)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
-        uint32_t unit = job->out[i];
+        struct job_unit *u = &job->units[job->out[i]];
 
-        for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
-            struct job_go *go = &job->units[unit].go[k];
+        for (uint8_t k = u->ngos; k-- > 0;) {
+            struct job_go *go = &u->go[k];
 
-            if (go->origin != GO_LOAN || !is_late_loan(c, job, unit, go))
+            if (go->origin != GO_LOAN || !is_late_loan(c, job, go))
                 continue;
-            desk_log_unit(c, job, unit, go, "loan late");
-            desk_send_attempt(c, job, MSG_REVOKE, unit, go);
-            attempt_release(c, job, unit, go);
+            desk_log_unit(c, job, go, "loan late");
+            desk_send_attempt(c, job, MSG_REVOKE, go);
+            attempt_release(c, job, go);
         }
     }
 }
@@ -285,7 +285,7 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
     to->origin = GO_LOAN;
     to->rows = GO_DROPPED;
     to->lending.lender = root;
-    attempt_shrunk(job, m->unit, to);
+    attempt_shrunk(job, to);
     to->lending.x = m->x;
     to->lending.n = m->n;
     note_left(c, to, m->given);
@@ -294,7 +294,7 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
     go = go_of_attempt(job, m->unit, root);
     if (go)
         go->lending.loans++;
-    desk_log_unit(c, job, m->unit, to, "loan out");
+    desk_log_unit(c, job, to, "loan out");
     pass.loan.job = job->id;
     pass.loan.attempt = to->attempt;
     actions_send(&c->actions, job->workers[index].worker->conn, &pass);
@@ -360,12 +360,12 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
         progress_see(job);
         return;
     }
-    desk_log_unit(c, job, m->unit, go, "loan paid");
+    desk_log_unit(c, job, go, "loan paid");
     desk_late(job, index, false);
     msg_counts_add(&job->units[m->unit].lent, &counts);
     jw->rays += counts.rays;
     jw->cpu_s += counts.cpu_s;
     job->rays += counts.rays;
     progress_see(job);
-    attempt_release(c, job, m->unit, go);
+    attempt_release(c, job, go);
 }

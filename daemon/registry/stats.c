@@ -194,12 +194,11 @@ unit(const struct job *job, uint32_t i)
 
 /* An attempt at a unit that is out. */
 static json_t *
-attempt(const struct job *job, uint32_t i, const struct job_go *go,
-        uint64_t now_ms)
+attempt(const struct job *job, const struct job_go *go, uint64_t now_ms)
 {
     struct partition_area a;
 
-    partition_area(job->partition, i, &a);
+    partition_area(job->partition, go->unit, &a);
     return json_pack("{s:I,s:I,s:I,s:I,s:I,s:f,s:f,s:s}", "frame",
                      (json_int_t)job->spec.frames[a.frame].number, "x",
                      (json_int_t)a.x, "y", (json_int_t)a.y, "width",
@@ -221,8 +220,7 @@ running(const struct job *job, uint64_t now_ms)
 
         for (uint8_t g = 0; g < u->ngos && n < MOST_RUNNING; g++)
             if (u->go[g].state != GO_OVER && u->go[g].origin != GO_LOAN) {
-                json_array_append_new(
-                    list, attempt(job, job->out[k], &u->go[g], now_ms));
+                json_array_append_new(list, attempt(job, &u->go[g], now_ms));
                 n++;
             }
     }

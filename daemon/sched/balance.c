@@ -35,7 +35,7 @@
 /* Of the attempts that may be asked for lines, the one with the most time left;
  * NULL: none. */
 static struct job_go *
-choose_giver(const struct coord *c, const struct job *job, uint32_t *unit)
+choose_giver(const struct coord *c, const struct job *job)
 {
     struct job_go *best = NULL;
     double most = LEAST_SPLIT_MS;
@@ -49,11 +49,10 @@ choose_giver(const struct coord *c, const struct job *job, uint32_t *unit)
         if (u->whole || u->ngos != 1 || !go_works(&u->go[0]) ||
             u->go[0].split_ms != 0 || last - first < 2)
             continue;
-        ms = speed_left_ms(c, job, job->out[i], &u->go[0]);
+        ms = speed_left_ms(c, job, &u->go[0]);
         if (ms >= most) {
             most = ms;
             best = &u->go[0];
-            *unit = job->out[i];
         }
     }
     return best;
@@ -86,14 +85,14 @@ expire_splits(const struct coord *c, struct job *job)
 static uint32_t
 ask_for_lines(struct coord *c, struct job *job, uint32_t idle)
 {
-    uint32_t asked = expire_splits(c, job), unit = 0;
+    uint32_t asked = expire_splits(c, job);
     struct job_go *go;
 
-    while (asked < idle && (go = choose_giver(c, job, &unit))) {
+    while (asked < idle && (go = choose_giver(c, job))) {
         go->split_ms = c->now_ms;
         asked++;
-        desk_log_unit(c, job, unit, go, "unit split");
-        desk_send_attempt(c, job, MSG_SPLIT, unit, go);
+        desk_log_unit(c, job, go, "unit split");
+        desk_send_attempt(c, job, MSG_SPLIT, go);
     }
     return asked < idle ? idle - asked : 0;
 }
@@ -131,7 +130,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
                 "unit gave job=%s unit=%u attempt=%u height=%u of=%u", job->hex,
                 m->unit, m->attempt, m->height, a.height);
     if (m->height == 0) {
-        loss_given_back(c, job, m->unit, go);
+        loss_given_back(c, job, go);
         return;
     }
     if (m->height == a.height) {
@@ -142,11 +141,11 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
         loss_end_loans(c, job, m->unit, go->attempt);
     if (has_twin(u, go)) { /* GAVE came after TWIN, and the twin has all lines
                             */
-        desk_send_attempt(c, job, MSG_REVOKE, m->unit, go);
-        loss_of(c, job, m->unit, go);
+        desk_send_attempt(c, job, MSG_REVOKE, go);
+        loss_of(c, job, go);
         return;
     }
-    if (!attempt_shrink(c, job, m->unit, go, m->height))
+    if (!attempt_shrink(c, job, go, m->height))
         verdict_break(c, w->conn, "a GAVE that fits no lines");
 }
 
@@ -208,7 +207,7 @@ release_spent(struct coord *c, struct job *job, uint32_t unit)
 
     for (uint8_t k = u->ngos; k-- > 0;)
         if (u->go[k].rows == GO_SPENT && u->go[k].state != GO_DELIVERED)
-            attempt_release(c, job, unit, &u->go[k]);
+            attempt_release(c, job, &u->go[k]);
 }
 
 /* Note workers that have work and whose progress counter stands still. */

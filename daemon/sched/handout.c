@@ -23,15 +23,15 @@ choose_end(const struct job_unit *u)
 }
 
 static void
-send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+send_unit(struct coord *c, struct job *job, struct job_go *go)
 {
     bool strict = partition_is_strict(job->partition);
     struct partition_area a;
     struct msg m = { .type = MSG_UNIT };
 
-    partition_area(job->partition, unit, &a);
+    partition_area(job->partition, go->unit, &a);
     m.unit = (struct msg_unit){ .job = job->id,
-                                .unit = unit,
+                                .unit = go->unit,
                                 .attempt = go->attempt,
                                 .frame = a.frame,
                                 .x = a.x,
@@ -41,10 +41,10 @@ send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     if (strict) {
         m.unit.mode = MSG_MODE_STRICT;
         m.unit.end = go->end;
-        m.unit.flags = handoff_flags(job, unit, go);
+        m.unit.flags = handoff_flags(job, go);
     }
     if (strict)
-        handoff_out(c, job, unit, go);
+        handoff_out(c, job, go);
     actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
 }
 
@@ -58,7 +58,7 @@ tell_twins(struct coord *c, const struct job *job, uint32_t unit)
         if (!u->go[i].twin) {
             u->go[i].twin = true;
             if (i + 1 < u->ngos) /* the newest learns it from its UNIT */
-                desk_send_attempt(c, job, MSG_TWIN, unit, &u->go[i]);
+                desk_send_attempt(c, job, MSG_TWIN, &u->go[i]);
         }
 }
 
@@ -78,7 +78,7 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     if (u->tries > 1 && u->ngos == 1 && !u->given_back)
         job->units_redone++; /* a twin is no redoing */
     u->given_back = false;
-    desk_log_unit(c, job, unit, &u->go[u->ngos - 1], "unit out");
+    desk_log_unit(c, job, go, "unit out");
     if (u->ngos == 1) {
         attempt_forget_rows(job, unit);
         u->lead = u->attempt;
@@ -98,5 +98,5 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         job->state = JOB_RUNNING;
     if (u->ngos > 1 && job->shared)
         tell_twins(c, job, unit);
-    send_unit(c, job, unit, &u->go[u->ngos - 1]);
+    send_unit(c, job, go);
 }

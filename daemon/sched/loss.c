@@ -52,8 +52,8 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
     u->lead = 0;
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].rows != GO_MAY_LEAD) {
-            desk_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
-            attempt_release(c, job, unit, &u->go[i]);
+            desk_send_attempt(c, job, MSG_REVOKE, &u->go[i]);
+            attempt_release(c, job, &u->go[i]);
         }
 }
 
@@ -65,20 +65,20 @@ loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
 
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].lending.lender == lender) {
-            desk_send_attempt(c, job, MSG_YIELD, unit, &u->go[i]);
-            attempt_release(c, job, unit, &u->go[i]);
+            desk_send_attempt(c, job, MSG_YIELD, &u->go[i]);
+            attempt_release(c, job, &u->go[i]);
         }
 }
 
 /* End the attempt, and choose what comes of the unit. */
 static void
-lose(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+lose(struct coord *c, struct job *job, struct job_go *go)
 {
+    uint32_t unit = go->unit, attempt = go->attempt;
     struct job_unit *u = &job->units[unit];
-    bool led = go->attempt == u->lead || u->lead == 0;
-    uint32_t attempt = go->attempt;
+    bool led = attempt == u->lead || u->lead == 0;
 
-    attempt_release(c, job, unit, go);
+    attempt_release(c, job, go);
     loss_end_loans(c, job, unit, attempt);
     if (u->ngos > 0 && led)
         new_lead(c, job, unit);
@@ -87,13 +87,13 @@ lose(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 }
 
 void
-loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+loss_of(struct coord *c, struct job *job, struct job_go *go)
 {
     struct partition_area a;
 
-    partition_area(job->partition, unit, &a);
+    partition_area(job->partition, go->unit, &a);
     job->frames[a.frame].untold = true;
-    lose(c, job, unit, go);
+    lose(c, job, go);
 }
 
 /* If no worker has the unit, let rows of it that are on their way not count. */
@@ -105,20 +105,21 @@ close_rows(struct job_unit *u)
 }
 
 void
-loss_taken(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+loss_taken(struct coord *c, struct job *job, struct job_go *go)
 {
-    desk_send_attempt(c, job, MSG_REVOKE, unit, go);
-    loss_of(c, job, unit, go);
-    close_rows(&job->units[unit]);
+    struct job_unit *u = &job->units[go->unit];
+
+    desk_send_attempt(c, job, MSG_REVOKE, go);
+    loss_of(c, job, go);
+    close_rows(u);
 }
 
 void
-loss_given_back(struct coord *c, struct job *job, uint32_t unit,
-                struct job_go *go)
+loss_given_back(struct coord *c, struct job *job, struct job_go *go)
 {
-    struct job_unit *u = &job->units[unit];
+    struct job_unit *u = &job->units[go->unit];
 
-    lose(c, job, unit, go);
+    lose(c, job, go);
     close_rows(u);
     u->given_back = u->ngos == 0;
 }
@@ -137,7 +138,7 @@ take_all_back(struct coord *c, struct job *job, uint32_t index)
             continue;
         if (job->units[unit].losses < UINT8_MAX)
             job->units[unit].losses++;
-        loss_of(c, job, unit, go);
+        loss_of(c, job, go);
     }
 }
 
@@ -180,7 +181,7 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
             continue;
         partition_area(job->partition, unit, &a);
         if (job->units[unit].next_row < a.height)
-            loss_of(c, job, unit, go);
+            loss_of(c, job, go);
     }
     /* the units that it lost go to it now, if it takes units at all */
     loss_keep(c, job, index,
@@ -218,10 +219,10 @@ resume(struct coord *c, struct job *job, uint32_t index,
         return false;
     go->origin = GO_RESUMED;
     job->units[m->unit].losses = 0;
-    desk_log_unit(c, job, m->unit, go, "unit still");
-    if (m->height == a.height || attempt_shrink(c, job, m->unit, go, m->height))
+    desk_log_unit(c, job, go, "unit still");
+    if (m->height == a.height || attempt_shrink(c, job, go, m->height))
         return true;
-    loss_of(c, job, m->unit, go);
+    loss_of(c, job, go);
     return false;
 }
 
@@ -297,7 +298,7 @@ note_crash(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     u->crashes++;
     if (u->crashes == 1)
         u->crasher = index;
-    loss_of(c, job, unit, go_of_worker(job, unit, index));
+    loss_of(c, job, go_of_worker(job, unit, index));
     if (u->crasher == index && u->crashes < JOB_MAX_CRASHES)
         return true;
     partition_area(job->partition, unit, &a);

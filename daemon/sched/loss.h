@@ -17,15 +17,12 @@ void loss_still(struct coord *c, struct coord_worker *w, const struct msg *msg);
 void loss_worker_gone(struct coord *c, struct coord_worker *w);
 /* End an attempt that did not finish the unit: another attempt goes on, or the
  * unit waits again. */
-void loss_of(struct coord *c, struct job *job, uint32_t unit,
-             struct job_go *go);
+void loss_of(struct coord *c, struct job *job, struct job_go *go);
 /* The same, and take the unit from the attempt's worker (REVOKE). */
-void loss_taken(struct coord *c, struct job *job, uint32_t unit,
-                struct job_go *go);
+void loss_taken(struct coord *c, struct job *job, struct job_go *go);
 /* End an attempt whose worker gave the whole unit back (GAVE), after its facts.
  */
-void loss_given_back(struct coord *c, struct job *job, uint32_t unit,
-                     struct job_go *go);
+void loss_given_back(struct coord *c, struct job *job, struct job_go *go);
 /* End the loans of attempt `lender`, which is over or has another last line
  * now.
  */

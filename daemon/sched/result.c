@@ -124,9 +124,9 @@ ack(struct coord *c, const struct coord_worker *w, const struct job *job,
  * unit waits again.  A message may have been lost with a connection, so only a
  * unit that comes incomplete again and again fails the job. */
 static void
-drop_incomplete(struct coord *c, struct job *job, uint32_t unit,
-                struct job_go *go)
+drop_incomplete(struct coord *c, struct job *job, struct job_go *go)
 {
+    uint32_t unit = go->unit;
     struct job_unit *u = &job->units[unit];
     char text[MSG_MAX_TEXT + 1];
 
@@ -135,7 +135,7 @@ drop_incomplete(struct coord *c, struct job *job, uint32_t unit,
                 unit, go->attempt, job->workers[go->worker].name);
     attempt_forget_rows(job, unit);
     u->lead = 0;
-    loss_of(c, job, unit, go);
+    loss_of(c, job, go);
     if (++u->faults < JOB_MAX_CRASHES)
         return;
     snprintf(text, sizeof text, "unit %u came incomplete %u times", unit,
@@ -207,16 +207,16 @@ counts(const struct job *job, uint32_t index, const struct msg_result *m)
 /* All rows of the attempt are here: release its worker, and those of its twins,
  * before the rows are on the disk. */
 static void
-delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+delivered(struct coord *c, struct job *job, struct job_go *go)
 {
-    struct job_unit *u = &job->units[unit];
+    struct job_unit *u = &job->units[go->unit];
 
-    speed_finished(job, unit, go);
-    attempt_step(c, job, unit, go, GO_DELIVERED);
+    speed_finished(job, go);
+    attempt_step(c, job, go, GO_DELIVERED);
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].state != GO_DELIVERED) {
-            desk_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
-            attempt_release(c, job, unit, &u->go[i]);
+            desk_send_attempt(c, job, MSG_REVOKE, &u->go[i]);
+            attempt_release(c, job, &u->go[i]);
         }
 }
 
@@ -286,12 +286,12 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
         return;
     go = go_find(job, m->unit, index, m->attempt);
     if (gave_before(job, index, m, a) &&
-        attempt_shrink(c, job, m->unit, go, m->row + m->rows))
+        attempt_shrink(c, job, go, m->row + m->rows))
         partition_area(job->partition, m->unit, a);
     if (m->last &&
         (m->row + m->rows < a->height || !handoff_complete(job, m->unit))) {
         ack(c, w, job, m);
-        drop_incomplete(c, job, m->unit, go);
+        drop_incomplete(c, job, go);
         return;
     }
     duplicate_keep(job, index, m, a->height);
@@ -301,7 +301,7 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
     if (m->last) {
         u->counts = m->counts;
         msg_counts_add(&u->counts, &u->lent);
-        delivered(c, job, m->unit, go);
+        delivered(c, job, go);
     }
     put_rows(c, job, index, m, a);
 }
@@ -378,11 +378,11 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
 
         if (go->attempt == u->lead) {
             speed_took(job, c->now_ms - go->out_ms);
-            speed_finished(job, unit, go);
+            speed_finished(job, go);
         } else {
-            desk_send_attempt(c, job, MSG_REVOKE, unit, go);
+            desk_send_attempt(c, job, MSG_REVOKE, go);
         }
-        attempt_release(c, job, unit, go);
+        attempt_release(c, job, go);
     }
 }
 

@@ -391,11 +391,8 @@ void
 sched_job_over(struct coord *c, struct job *job)
 {
     speed_keep(c, job);
-    while (job->nout > 0) {
-        uint32_t unit = job->out[0];
-
-        attempt_release(c, job, unit, job->units[unit].go);
-    }
+    while (job->nout > 0)
+        attempt_release(c, job, job->units[job->out[0]].go);
     for (struct coord_worker *w = c->workers; w; w = w->next) {
         uint32_t index = desk_index(job, w);
 

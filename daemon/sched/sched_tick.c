@@ -23,17 +23,17 @@ static void
 drain_parked(struct coord *c, struct job *job)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
-        uint32_t unit = job->out[i];
+        struct job_unit *u = &job->units[job->out[i]];
 
-        for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
-            struct job_go *go = &job->units[unit].go[k];
+        for (uint8_t k = u->ngos; k-- > 0;) {
+            struct job_go *go = &u->go[k];
 
             if (!go_waits(go) || go->state == GO_YIELDING ||
                 go->handoff.top_sent ||
                 c->now_ms - go->parked_ms < DRAIN_WAIT_MS ||
                 desk_takes_units(job->workers[go->worker].worker))
                 continue;
-            loss_taken(c, job, unit, go);
+            loss_taken(c, job, go);
             break; /* other attempts may have moved */
         }
     }

@@ -73,16 +73,16 @@ may_yield(const struct job *job, const struct job_go *go)
 
 /* Have one attempt's unit given back; the attempt may be over after that. */
 static void
-give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+give_back(struct coord *c, struct job *job, struct job_go *go)
 {
     if (!partition_is_strict(job->partition)) {
-        loss_taken(c, job, unit, go);
+        loss_taken(c, job, go);
         return;
     }
-    desk_log_unit(c, job, unit, go, "unit yield");
-    attempt_step(c, job, unit, go, GO_YIELDING);
+    desk_log_unit(c, job, go, "unit yield");
+    attempt_step(c, job, go, GO_YIELDING);
     go->yield_ms = c->now_ms;
-    desk_send_attempt(c, job, MSG_YIELD, unit, go);
+    desk_send_attempt(c, job, MSG_YIELD, go);
 }
 
 /* Have all given back that the worker has of the job. */
@@ -90,13 +90,12 @@ static void
 give_all_back(struct coord *c, struct job *job, uint32_t index)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
-        uint32_t unit = job->out[i];
-        struct job_unit *u = &job->units[unit];
+        struct job_unit *u = &job->units[job->out[i]];
 
         for (uint8_t k = u->ngos; k-- > 0;)
             if (k < u->ngos && u->go[k].worker == index &&
                 may_yield(job, &u->go[k]))
-                give_back(c, job, unit, &u->go[k]);
+                give_back(c, job, &u->go[k]);
     }
 }
 
@@ -119,12 +118,11 @@ static void
 give_up(struct coord *c, struct job *job)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
-        uint32_t unit = job->out[i];
-        struct job_unit *u = &job->units[unit];
+        struct job_unit *u = &job->units[job->out[i]];
 
         for (uint8_t k = u->ngos; k-- > 0;)
             if (k < u->ngos && is_unanswered(c, job, &u->go[k]))
-                loss_taken(c, job, unit, &u->go[k]);
+                loss_taken(c, job, &u->go[k]);
     }
 }
 
