@@ -98,8 +98,8 @@ prepare(struct program *p)
         rc = open_errors(p);
     if (rc < 0)
         return rc;
-    progress_init(&p->progress, stderr, p->o.progress == PROGRESS_ALWAYS,
-                  p->o.progress == PROGRESS_NEVER || p->o.detach);
+    progress_init(&p->progress, stderr,
+                  p->o.detach ? PROGRESS_NEVER : p->o.progress);
     if (p->o.report_s > 0 && p->o.progress != PROGRESS_NEVER)
         progress_every(&p->progress, stderr, p->o.report_s);
     program_warn_of_options(p);

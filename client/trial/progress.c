@@ -17,11 +17,12 @@
 static const double SHORT_S = 2, LONG_S = 5;
 
 void
-progress_init(struct progress *p, FILE *to, bool always, bool never)
+progress_init(struct progress *p, FILE *to, enum submit_progress when)
 {
     memset(p, 0, sizeof *p);
     p->terminal = isatty(fileno(to)) == 1;
-    p->to = !never && (always || p->terminal) ? to : NULL;
+    if (when == PROGRESS_ALWAYS || (when == PROGRESS_AUTO && p->terminal))
+        p->to = to;
     p->last_s = p->said_s = -1;
 }
 

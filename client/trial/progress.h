@@ -4,12 +4,13 @@
  *
  * Values that are not known are left out; so are the time left and the workers
  * at 100 %.  On a terminal the line is overwritten by the next one, and cut at
- * the terminal's width; elsewhere nothing is shown, unless `always` is asked
- * for: then each report is a line. Rays per second are a mean with a time
+ * the terminal's width; elsewhere nothing is shown, but with PROGRESS_ALWAYS
+ * each report is a line.  Rays per second are a mean with a time
  * constant of some seconds.  The time left comes from eta.h. Thread: one. */
 #ifndef RADD_CLIENT_PROGRESS_H
 #define RADD_CLIENT_PROGRESS_H
 
+#include "job/submit_options.h"
 #include "trial/eta.h"
 
 #include <stdbool.h>
@@ -39,8 +40,7 @@ struct progress {
     double done; /* of the last report */
 };
 
-/* always: show reports even if `to` is not a terminal; never: show none. */
-void progress_init(struct progress *p, FILE *to, bool always, bool never);
+void progress_init(struct progress *p, FILE *to, enum submit_progress when);
 
 /* Show a new line every every_s seconds, unless nothing is to be shown at all.
  */

@@ -351,7 +351,7 @@ TEST(progress_comes_as_often_as_asked)
     FILE *f = open_memstream(&text, &len);
     int shown = 0;
 
-    progress_init(&p, stderr, false, true);
+    progress_init(&p, stderr, PROGRESS_NEVER);
     progress_every(&p, f, 10);
     for (int s = 1; s <= 35; s++) {
         r.elapsed_s = s + .1 * (s % 3 - 1);
@@ -403,7 +403,7 @@ TEST(progress_ends_with_the_mean_rate)
     FILE *f = tmpfile();
     char buf[200];
 
-    progress_init(&p, f, true, false);
+    progress_init(&p, f, PROGRESS_ALWAYS);
     progress_update(&p, &half);
     progress_update(&p, &done);
     rewind(f);
@@ -444,7 +444,7 @@ LOOP_TEST(progress_keeps_to_its_line_of_a_terminal, N_ELEM(terminals))
     f = fopen(ptsname(master), "w");
     ck_assert_ptr_nonnull(f);
     ck_assert_int_eq(ioctl(master, TIOCSWINSZ, &size), 0);
-    progress_init(&p, f, false, false);
+    progress_init(&p, f, PROGRESS_AUTO);
     progress_update(&p, &half);
     progress_update(&p, &done);
     progress_clear(&p);
@@ -465,10 +465,10 @@ TEST(progress_is_silent_where_nobody_looks)
     FILE *f = tmpfile();
     char buf[200];
 
-    progress_init(&p, f, false, false);
+    progress_init(&p, f, PROGRESS_AUTO);
     progress_update(&p, &r);
     ck_assert_int_eq(ftell(f), 0);
-    progress_init(&p, f, true, false);
+    progress_init(&p, f, PROGRESS_ALWAYS);
     progress_update(&p, &r);
     progress_clear(&p);
     rewind(f);
