@@ -32,7 +32,7 @@ address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
               bool *local, struct rad_error *err)
 {
     const char *colon = strrchr(text, ':'), *start = text;
-    size_t n;
+    size_t n, digits = colon ? strspn(colon + 1, "0123456789") : 0;
 
     host[0] = port[0] = '\0';
     *local = strchr(text, '/') != NULL;
@@ -43,8 +43,7 @@ address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
                               text);
     if (address_check_brackets(text, err) < 0)
         return RAD_EUSAGE;
-    if (!colon || strspn(colon + 1, "0123456789") != strlen(colon + 1) ||
-        strlen(colon + 1) < 1 || strlen(colon + 1) > 5)
+    if (digits < 1 || digits > 5 || colon[1 + digits] != '\0')
         return rad_fail(err, RAD_EUSAGE,
                         "expected HOST:PORT or a path with '/', got '%s'",
                         text);
@@ -54,12 +53,14 @@ address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
     if (text[0] == '[' && colon[-1] == ']') {
         start++;
         n -= 2;
+    } else if (strcspn(text, "[]:") < n) {
+        n = 0;
     }
     if (n == 0 || n >= ADDRESS_TEXT)
         return rad_fail(err, RAD_EUSAGE, "bad host in '%s'", text);
     memcpy(host, start, n);
     host[n] = '\0';
-    memcpy(port, colon + 1, strlen(colon + 1) + 1);
+    memcpy(port, colon + 1, digits + 1);
     return 0;
 }
 

@@ -3,7 +3,6 @@
 
 #include "link/target.h"
 
-#include "net/address.h"
 #include "net/inifile.h"
 
 #include <assert.h>
@@ -22,8 +21,9 @@ enum { LONGEST = sizeof((struct target *)0)->text };
 int
 target_parse(struct target *a, const char *text, struct rad_error *err)
 {
-    const char *host = text, *end, *port;
-    int n;
+    const char *bracket = strrchr(text, ']');
+    const char *colon = strchr(bracket ? bracket : text, ':');
+    char whole[sizeof a->text + sizeof ":" DEFAULT_PORT];
 
     memset(a, 0, sizeof *a);
     assert(strlen(text) < sizeof a->text);
@@ -39,24 +39,13 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
     }
     if (address_check_brackets(text, err) < 0)
         return RAD_EUSAGE;
-    if (text[0] == '[' && (end = strchr(text, ']')) != NULL) {
-        host = text + 1;
-        port = end + 1;
-    } else {
-        port = end = text + strcspn(text, ":");
-    }
-    n = (int)(end - host);
-    if (n == 0 || (size_t)n >= sizeof a->host ||
-        (*port != ':' && *port != '\0') || strlen(port) >= sizeof a->port ||
-        (*port == ':' &&
-         (port[1] == '\0' || port[1 + strspn(port + 1, "0123456789")] != '\0' ||
-          atoi(port + 1) < 1 || atoi(port + 1) > 65535)))
+    snprintf(whole, sizeof whole, "%s%s", text, colon ? "" : ":" DEFAULT_PORT);
+    if (address_split(whole, a->host, a->port, &a->local, NULL) < 0 ||
+        atoi(a->port) == 0)
         return rad_fail(err, RAD_EUSAGE,
                         "bad coordinator address '%s': expected HOST:PORT or "
                         "a socket's path",
                         text);
-    snprintf(a->host, sizeof a->host, "%.*s", n, host);
-    strcpy(a->port, *port ? port + 1 : DEFAULT_PORT);
     return 0;
 }
 

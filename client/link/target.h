@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "common/inputs.h"
+#include "net/address.h"
 
 #include <stdbool.h>
 
@@ -22,7 +23,7 @@ struct target {
     bool local;      /* a Unix socket */
     char text[1024]; /* as given, for messages */
     char path[108];  /* local: the socket */
-    char host[256];  /* if not local */
+    char host[ADDRESS_TEXT]; /* if not local */
     char port[8];    /* decimal */
     char key[1024];  /* a key file, if not local; empty: none */
 };

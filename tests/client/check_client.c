@@ -64,6 +64,8 @@ static const struct {
     { "fe80::1%eth0", RAD_EUSAGE, false, "", "" },
     { "[fe80::1%eth0]:99", 0, false, "fe80::1%eth0", "99" },
     { "[::1", RAD_EUSAGE, false, "", "" },
+    { "[::1]7:99", RAD_EUSAGE, false, "", "" },
+    { "ws1:9:9", RAD_EUSAGE, false, "", "" },
     { "", RAD_EUSAGE, false, "", "" },
 };
 
