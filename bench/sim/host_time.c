@@ -31,7 +31,8 @@ host_time_state(const struct host *h)
     if (host_tiles_open(h))
         return HOST_BARRIER;
     if (h->working)
-        return p && !p->true_top && !p->loan ? HOST_AHEAD : HOST_TRUTH;
+        return p && !strict_has_true_top(p) && !p->spec.loan ? HOST_AHEAD
+                                                             : HOST_TRUTH;
     return strict_waits(h->strict) ? HOST_WAITS : HOST_EMPTY;
 }
 
@@ -45,7 +46,8 @@ host_time_tell(const struct host *h, const char *what)
     printf("%10.6f %s %s", 1e-6 * (double)h->cluster->now_us, h->name, what);
     if (p)
         printf(" unit=%u attempt=%u mode=%d lines=%d-%d%s", p->unit, p->attempt,
-               (int)p->mode, p->first, p->last, p->loan ? " loan" : "");
+               (int)p->spec.mode, p->spec.first, p->spec.last,
+               p->spec.loan ? " loan" : "");
     puts("");
 }
 

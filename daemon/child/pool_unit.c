@@ -244,28 +244,24 @@ new_team(struct active *u)
     const struct rad_frame *f = &u->pool->frames[u->unit.frame];
     const struct rad_window all = { 0, 0, f->width, f->height };
     const struct strict_pass *pass = u->pass;
-    struct team_spec spec = { .mode = u->mode,
-                              .trace = trace,
-                              .paint = paint,
-                              .count = count_rays,
-                              .arg = u,
-                              .nthreads = u->pool->nthreads };
+    struct team_spec spec =
+        pass ? pass->spec : (struct team_spec){ .mode = TEAM_TRUTH };
 
     rad_frame_sampler(f, pass ? &all : &u->unit.window, &spec.sampler);
-    if (u->mode == TEAM_TRUTH)
-        spec.truth = (struct team_truth){ .rows = on_row, .look = trace_again };
-    if (!pass) {
-        spec.last = rad_quincunx_nbases(&spec.sampler);
-        return team_new(&spec);
+    spec.trace = spec.loan ? trace_lent : trace;
+    spec.paint = paint;
+    spec.count = count_rays;
+    spec.arg = u;
+    spec.nthreads = spec.ahead.earlier ? 1 : u->pool->nthreads;
+    if (spec.mode == TEAM_TRUTH) {
+        spec.truth.rows = on_row;
+        spec.truth.look = trace_again;
     }
-    strict_describe(pass, &spec);
-    if (pass->loan)
-        spec.trace = trace_lent;
-    if (pass->true_top)
+    if (!pass)
+        spec.last = rad_quincunx_nbases(&spec.sampler);
+    else if (strict_has_true_top(pass))
         spec.bottom = pool_on_bottom;
-    if (pass->earlier)
-        spec.nthreads = 1;
-    if (spec.nthreads > spec.last - spec.first)
+    if (pass && spec.nthreads > spec.last - spec.first)
         spec.nthreads = spec.last - spec.first;
     return team_new(&spec);
 }
@@ -283,7 +279,7 @@ new_active(struct pool *p, const struct pool_unit *unit,
     u->unit = *unit;
     u->pass = pass;
     u->rank = pass ? pass->rank : STRICT_AHEAD;
-    u->mode = pass ? pass->mode : TEAM_TRUTH;
+    u->mode = pass ? pass->spec.mode : TEAM_TRUTH;
     u->row0 = pass ? unit->window.y : 0;
     u->wall0 = pool_seconds(CLOCK_MONOTONIC);
     u->channels = p->coded ? 1 : p->frames[unit->frame].depth ? 4 : 3;
@@ -357,7 +353,7 @@ unit_of_pass(const struct pool *p, const struct strict_pass *pass)
 
     rad_frame_sampler(f, &all, &q);
     y = team_line_row(&q, pass->least - 1);
-    end = rad_quincunx_base_row(&q, pass->last - 1) + 1;
+    end = rad_quincunx_base_row(&q, pass->spec.last - 1) + 1;
     return (struct pool_unit){ .unit = pass->unit,
                                .attempt = pass->attempt,
                                .frame = pass->frame,

@@ -92,19 +92,10 @@ enum strict_rank {
  * for each pass under way, which carries out what its fields ask for. */
 struct strict_pass {
     uint32_t unit, attempt, frame;
-    int first, last; /* lines [first, last) of the frame; see strict_shrunk() */
     enum strict_rank rank;
-    enum team_mode mode;
-    enum team_end end;
-    bool true_top;                      /* top and top_density are true */
-    struct rad_pixel *top;              /* NULL: not known */
-    uint8_t *top_density;               /* NULL: not known, or none at all */
-    int top_known;                      /* as in struct team_ahead */
-    int filled;                         /* likewise, for LINES */
-    uint8_t *record;                    /* likewise */
-    const uint8_t *earlier;             /* likewise */
-    uint64_t *cpu_ns;                   /* as in struct team_spec; or NULL */
-    _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
+    /* For the team, which gets a copy: the caller sets sampler, callbacks and
+     * nthreads.  The pass owns tops and record; last: see strict_shrunk(). */
+    struct team_spec spec;
     bool stop;                          /* team_stop() is due */
     bool split;            /* team_shrink() is due, then strict_shrunk() */
     int least;             /* the line after the unit's first */
@@ -112,9 +103,6 @@ struct strict_pass {
                             * before strict_ended() */
     struct team_made made; /* progress; the caller sets it now and then, and
                             * before strict_ended() */
-    int out; /* an earlier pass handed on the rows of lines before this one */
-    const struct team_loan *loan; /* for TEAM_LOAN */
-    struct team_blocks lent;      /* of the last line, when the pass began */
     double lend;   /* above 0: team_lend() of this part is due, until the team
                     * can lend, then strict_lent() */
     uint64_t back; /* not 0: team_back() of these blocks is due */
@@ -126,14 +114,17 @@ struct strict_pass {
     size_t sent_densities;
 };
 
+/* Are spec.top and spec.top_density true? */
+static inline bool
+strict_has_true_top(const struct strict_pass *p)
+{
+    return p->rank <= STRICT_TRUTH;
+}
+
 /* Begin the most urgent pass, if its rank is at least `least`; of equal ranks
  * that of the topmost unit.  The caller has the pass until strict_ended().
  * NULL: there is none to begin. */
 struct strict_pass *strict_next(struct strict *s, enum strict_rank least);
-
-/* Write the pass into a team's spec; the caller sets sampler, callbacks and
- * nthreads. */
-void strict_describe(const struct strict_pass *p, struct team_spec *spec);
 
 /* Carry out with the pass's team what is due, and report the results to the
  * machine: strict_shrunk(), strict_lent() and strict_bottom(). */

@@ -30,17 +30,19 @@ copy_top(const struct strict *s, struct strict_pass *p,
          const struct rad_pixel *pixels, const uint8_t *density)
 {
     const struct frame *f = frame_of(s, p->frame);
-    size_t n = (size_t)f->q.width * sizeof *p->top;
+    size_t n = (size_t)f->q.width * sizeof *pixels;
 
     if (pixels) {
-        p->top = malloc(n);
-        if (!p->top)
+        struct rad_pixel *top = malloc(n);
+
+        p->spec.top = top;
+        if (!top)
             return false;
-        memcpy(p->top, pixels, n);
+        memcpy(top, pixels, n);
     }
     if (f->ndensity > 0)
-        p->top_density = copy_densities(s, p->frame, density);
-    return f->ndensity == 0 || p->top_density;
+        p->spec.top_density = copy_densities(s, p->frame, density);
+    return f->ndensity == 0 || p->spec.top_density;
 }
 
 /* The guess of another worker at the densities above the line of the unit's
@@ -56,31 +58,32 @@ sent_guess(const struct strict *s, const struct strict_unit *u)
 bool
 guess_top(struct strict *s, struct strict_pass *p)
 {
+    struct team_spec *spec = &p->spec;
     const struct strict_unit *u = p->of, *a = strict_unit_above(s, u);
-    const struct edge *e = edge_find(s, u->frame, p->first - 1);
+    const struct edge *e = edge_find(s, u->frame, spec->first - 1);
     const struct edge *sent = sent_guess(s, u);
 
     if (u->loan)
         return true;
-    p->top_known =
-        p->first > 0 && frame_of(s, u->frame)->ndensity > 0 ? 0 : TEAM_SURE;
+    spec->ahead.top_known =
+        spec->first > 0 && frame_of(s, u->frame)->ndensity > 0 ? 0 : TEAM_SURE;
     /* true densities might let the pass trace pixels of the line above that the
      * worker of that line traces, too; a guess that this worker sent came after
      * facts of these pixels */
-    if (p->first < u->first && u->above != ABOVE_MADE_HERE)
+    if (spec->first < u->first && u->above != ABOVE_MADE_HERE)
         e = NULL;
-    /* if p->first is another unit's line only its base line is made, no bar */
+    /* if spec->first is another unit's line only its base line is made, no bar */
     if (e && e->pixels) {
-        p->top_known = TEAM_SURE;
-        return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
+        spec->ahead.top_known = TEAM_SURE;
+        return copy_top(s, p, spec->first == u->first ? e->pixels : NULL,
                         e->density);
     }
-    if (p->first < u->first && sent) {
-        p->top_known = sent->known;
+    if (spec->first < u->first && sent) {
+        spec->ahead.top_known = sent->known;
         return copy_top(s, p, NULL, sent->guess);
     }
-    if (p->first == u->first && a && a->guess.pixels) {
-        p->top_known = a->guess.known;
+    if (spec->first == u->first && a && a->guess.pixels) {
+        spec->ahead.top_known = a->guess.known;
         return copy_top(s, p, a->guess.pixels, a->guess.density);
     }
     return true;
@@ -154,18 +157,19 @@ recorded(const struct strict *s, const struct strict_unit *u, int line)
 bool
 guess_record(const struct strict *s, struct strict_pass *p)
 {
+    struct team_spec *spec = &p->spec;
     const struct strict_unit *u = p->of;
     size_t n = frame_of(s, u->frame)->ndensity;
 
-    if (n == 0 || p->mode == TEAM_TRUTH || p->mode == TEAM_LOAN)
+    if (n == 0 || spec->mode == TEAM_TRUTH || spec->mode == TEAM_LOAN)
         return true;
-    if (p->rank != STRICT_TRUE_LINES || u->chain.first > p->first ||
-        u->chain.last < p->last - 1) {
-        p->record = malloc((size_t)(p->last - p->first) * n);
-        return p->record;
+    if (p->rank != STRICT_TRUE_LINES || u->chain.first > spec->first ||
+        u->chain.last < spec->last - 1) {
+        spec->ahead.record = malloc((size_t)(spec->last - spec->first) * n);
+        return spec->ahead.record;
     }
-    p->earlier = recorded(s, u, p->first);
-    p->filled = p->first; /* its bars are facts, or made later */
+    spec->ahead.earlier = recorded(s, u, spec->first);
+    spec->ahead.filled = spec->first; /* its bars are facts, or made later */
     return true;
 }
 
@@ -174,14 +178,17 @@ guess_record(const struct strict *s, struct strict_pass *p)
 static bool
 keep_record(struct strict_unit *u, struct strict_pass *p)
 {
-    if (!p->record || p->finished <= p->first || p->finished < u->chain.last)
+    struct team_spec *spec = &p->spec;
+
+    if (!spec->ahead.record || p->finished <= spec->first ||
+        p->finished < u->chain.last)
         return false;
     free(u->chain.density);
-    u->chain = (struct strict_chain){ .density = p->record,
-                                      .first = p->first,
+    u->chain = (struct strict_chain){ .density = spec->ahead.record,
+                                      .first = spec->first,
                                       .last = p->finished,
-                                      .known = p->top_known };
-    p->record = NULL;
+                                      .known = spec->ahead.top_known };
+    spec->ahead.record = NULL;
     return true;
 }
 
@@ -216,16 +223,17 @@ void
 guess_keep(struct strict *s, struct strict_pass *p, bool done,
            const struct rad_pixel *pixels, const uint8_t *density)
 {
+    const struct team_spec *spec = &p->spec;
     struct strict_unit *u = p->of;
     bool kept = keep_record(u, p);
-    const uint8_t *above = p->top_density;
+    const uint8_t *above = spec->top_density;
 
-    if (!done || p->mode == TEAM_TRUTH || p->mode == TEAM_LOAN)
+    if (!done || spec->mode == TEAM_TRUTH || spec->mode == TEAM_LOAN)
         return;
-    if (p->first < u->first)
+    if (spec->first < u->first)
         above = kept ? recorded(s, u, u->first - 1) : NULL;
-    u->guess.known = p->top_known + p->last - p->first;
-    u->top_known = p->top_known + u->first - p->first;
+    u->guess.known = spec->ahead.top_known + spec->last - spec->first;
+    u->top_known = spec->ahead.top_known + u->first - spec->first;
     if (pixels)
         set_guess(s, u, pixels, density, above);
 }

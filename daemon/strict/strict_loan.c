@@ -78,7 +78,7 @@ strict_blocked(struct strict_pass *p, int finished)
     u->lending.blocked = loan_is_out(u); /* BACK may have come meanwhile */
     u->lending.lent.ever = UINT64_MAX;   /* all other blocks are done */
     u->parked = false;
-    if (p->mode == TEAM_TRUTH && finished > u->out)
+    if (p->spec.mode == TEAM_TRUTH && finished > u->out)
         u->out = finished;
 }
 

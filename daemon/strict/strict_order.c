@@ -195,7 +195,7 @@ strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
         order_give_lines(s, u, u->last);
     } else if (!u->pass) {
         order_split_idle(s, u);
-    } else if (u->pass->mode == TEAM_LINES || u->pass->stop) {
+    } else if (u->pass->spec.mode == TEAM_LINES || u->pass->stop) {
         want_split(u);
         u->pass->stop = true;
     } else {
@@ -213,7 +213,7 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
     if (u->fate != FATE_SPLITS)
         return;
     strict_unit_decide(u, FATE_STAYS);
-    p->last = last;
+    p->spec.last = last;
     order_give_lines(s, u, last);
     p->sent_columns = u->sent_columns; /* the bottom may be another now */
     p->sent_densities = u->sent_densities;
@@ -298,7 +298,7 @@ will_keep(const struct strict *s, const struct strict_unit *u)
 static bool
 is_awaited(const struct strict *s, const struct strict_unit *u)
 {
-    bool bottom = u->pass->true_top && !u->bottom_done &&
+    bool bottom = strict_has_true_top(u->pass) && !u->bottom_done &&
                   u->last < frame_of(s, u->frame)->nlines;
 
     return !is_gone(u) &&

@@ -286,7 +286,7 @@ out_piece(struct strict *s, const struct strict_pass *p, int columns,
 {
     struct item it = { .kind = ITEM_PIECE,
                        .frame = p->frame,
-                       .line = p->last - 1,
+                       .line = p->spec.last - 1,
                        .x = (uint32_t)p->sent_columns,
                        .n = (uint32_t)(columns - p->sent_columns),
                        .first = (uint32_t)p->sent_densities,

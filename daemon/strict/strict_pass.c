@@ -50,7 +50,7 @@ top_of_below(struct strict *s, const struct edge *e, bool *idle)
         out_forget(s, u);
         if (!u->pass)
             *idle = true;
-        else if (!u->pass->true_top)
+        else if (!strict_has_true_top(u->pass))
             u->pass->stop = true;
         if (guess_holds(s, u, e->density))
             next = make_guess_true(s, u);
@@ -74,9 +74,9 @@ pass_free(struct strict_pass *p)
 {
     if (!p)
         return;
-    free(p->top);
-    free(p->top_density);
-    free(p->record);
+    free((void *)p->spec.top);
+    free((void *)p->spec.top_density);
+    free(p->spec.ahead.record);
     free(p);
 }
 
@@ -139,25 +139,28 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->attempt = u->attempt;
     p->frame = u->frame;
     p->rank = rank;
-    p->mode = mode_of(rank);
-    p->true_top = rank <= STRICT_TRUTH;
-    p->first = u->first - (!p->true_top && goes_above(u) ? 1 : 0);
-    p->last = u->last;
-    p->filled = filled_until(s, u);
     p->least = u->first + 1;
-    p->end = u->end;
-    p->out = u->out;
     p->sent_columns = u->sent_columns;
     p->sent_densities = u->sent_densities;
-    p->lent = u->lending.lent;
-    p->loan = u->loan ? &u->loan->is : NULL;
+    p->spec = (struct team_spec){
+        .mode = mode_of(rank),
+        .end = u->end,
+        .first =
+            strict_has_true_top(p) || !goes_above(u) ? u->first : u->first - 1,
+        .last = u->last,
+        .lent = u->lending.lent,
+        .loan = u->loan ? &u->loan->is : NULL,
+        .truth.out = u->out,
+        .ahead = { .true_top = strict_has_true_top(p),
+                   .filled = filled_until(s, u) },
+    };
     if (!facts_make_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
         !guess_top(s, p) || !guess_record(s, p)) {
         pass_free(p);
         return NULL;
     }
-    p->facts = frame_of(s, u->frame)->facts;
-    p->cpu_ns = u->cpu_ns + (p->first - (u->first - 1));
+    p->spec.facts = frame_of(s, u->frame)->facts;
+    p->spec.cpu_ns = u->cpu_ns + (p->spec.first - (u->first - 1));
     p->keeps = has_facts(s, u);
     p->lend = p->keeps ? u->lending.part : 0;
     return p;
@@ -212,12 +215,12 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
     bool all = columns == f->q.width && densities == f->ndensity;
     struct edge *e;
 
-    if (!p->true_top || is_gone(p->of) || p->of->bottom_done ||
-        p->last == f->nlines || columns < p->sent_columns ||
+    if (!strict_has_true_top(p) || is_gone(p->of) || p->of->bottom_done ||
+        p->spec.last == f->nlines || columns < p->sent_columns ||
         densities < p->sent_densities ||
         (columns - p->sent_columns < f->q.xstep && !all) ||
         (p->sent_columns == f->q.width && p->sent_densities == f->ndensity) ||
-        !(e = edge_make(s, p->frame, p->last - 1)))
+        !(e = edge_make(s, p->frame, p->spec.last - 1)))
         return;
     out_piece(s, p, columns, densities, pixels, density);
     p->sent_columns = p->of->sent_columns = columns;
@@ -236,13 +239,13 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
     const struct frame *f = frame_of(s, u->frame);
 
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
-    if (p->mode == TEAM_AHEAD)
+    if (p->spec.mode == TEAM_AHEAD)
         strict_unit_advance(u, PROGRESS_AHEAD);
     else if (u->progress < PROGRESS_LINES ||
-             (u->progress > PROGRESS_LINES && !p->true_top))
+             (u->progress > PROGRESS_LINES && !strict_has_true_top(p)))
         strict_unit_advance(u, PROGRESS_LINES);
-    if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
-        !strict_unit_below(s, u)) {
+    if (p->spec.mode == TEAM_LINES && !strict_has_true_top(p) &&
+        u->last < f->nlines && !strict_unit_below(s, u)) {
         out_facts(s, &s->urgent, u, u->last - 1);
         guess_send(s, u);
     }
@@ -295,31 +298,10 @@ lend_columns(struct strict *s, struct strict_pass *p, struct team *t)
     free(loan.wanted);
 }
 
-void
-strict_describe(const struct strict_pass *p, struct team_spec *spec)
-{
-    spec->mode = p->mode;
-    spec->end = p->end;
-    spec->first = p->first;
-    spec->last = p->last;
-    spec->ahead.true_top = p->true_top;
-    spec->ahead.top_known = p->top_known;
-    spec->ahead.filled = p->filled;
-    spec->ahead.record = p->record;
-    spec->ahead.earlier = p->earlier;
-    spec->cpu_ns = p->cpu_ns;
-    spec->top = p->top;
-    spec->top_density = p->top_density;
-    spec->facts = p->facts;
-    spec->truth.out = p->out;
-    spec->lent = p->lent;
-    spec->loan = p->loan;
-}
-
 int
 strict_least(const struct strict_pass *p)
 {
-    return p->least > p->out ? p->least : p->out + 1;
+    return p->least > p->spec.truth.out ? p->least : p->spec.truth.out + 1;
 }
 
 void
@@ -336,7 +318,7 @@ strict_look(struct strict *s, struct strict_pass *p, struct team *t)
     p->back = 0;
     if (p->lend > 0)
         lend_columns(s, p, t);
-    if (!p->true_top)
+    if (!strict_has_true_top(p))
         return;
     team_bottom(t, &b);
     if (b.pixels)
@@ -352,7 +334,7 @@ strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
     if (u->fate != FATE_YIELDS || team_done(t) || (last = team_cut(t)) < 0)
         return;
     loan_forget(u);
-    p->last = last;
+    p->spec.last = last;
     order_give_lines(s, u, last);
     p->sent_columns = p->sent_densities = 0;
 }
@@ -362,7 +344,7 @@ strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
 static void
 keep_out(struct strict_unit *u, const struct strict_pass *p)
 {
-    if (p->mode != TEAM_TRUTH)
+    if (p->spec.mode != TEAM_TRUTH)
         return;
     u->spent.primary_rays = 0;
     if (p->stop && p->finished > u->out)
@@ -373,9 +355,10 @@ keep_out(struct strict_unit *u, const struct strict_pass *p)
 static void
 keep_filled(struct strict_unit *u, const struct strict_pass *p)
 {
-    int end = p->finished < p->filled ? p->finished : p->filled;
+    int end =
+        p->finished < p->spec.ahead.filled ? p->finished : p->spec.ahead.filled;
 
-    if (p->mode == TEAM_LINES && end > u->filled)
+    if (p->spec.mode == TEAM_LINES && end > u->filled)
         u->filled = end;
 }
 
@@ -385,8 +368,8 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
              const struct msg_counts *spent, struct msg_counts *total)
 {
     struct strict_unit *u = p->of;
-    bool over = done && !is_gone(u) && p->mode == TEAM_TRUTH;
-    bool paid = done && p->mode == TEAM_LOAN;
+    bool over = done && !is_gone(u) && p->spec.mode == TEAM_TRUTH;
+    bool paid = done && p->spec.mode == TEAM_LOAN;
 
     msg_counts_add(&u->spent, spent);
     if (!done)

@@ -101,7 +101,7 @@ rank_make_way(struct strict *s)
     struct strict_pass *last = NULL;
 
     for (struct strict_unit *u = s->units; u; u = u->next)
-        if (u->pass && !u->pass->stop && !u->pass->true_top &&
+        if (u->pass && !u->pass->stop && !strict_has_true_top(u->pass) &&
             (!last || comes_before(s, last->rank, last->of, u->pass->rank, u)))
             last = u->pass;
     if (last)

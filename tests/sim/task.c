@@ -29,7 +29,7 @@ unit_of_pass(const struct rad_quincunx *q, const struct strict_pass *p)
         .frame = p->frame,
         .y = (uint32_t)y,
         .width = (uint32_t)q->width,
-        .height = (uint32_t)(rad_quincunx_base_row(q, p->last - 1) + 1 - y)
+        .height = (uint32_t)(rad_quincunx_base_row(q, p->spec.last - 1) + 1 - y)
     };
 }
 
@@ -49,22 +49,29 @@ task_begin(struct task *t, const struct team_spec *callbacks,
 {
     struct team_spec spec = *callbacks;
 
-    *t = (struct task){ .pass = pass, .mode = pass ? pass->mode : TEAM_TRUTH };
-    spec.mode = t->mode;
-    spec.nthreads = 1;
+    *t = (struct task){ .pass = pass,
+                        .mode = pass ? pass->spec.mode : TEAM_TRUTH };
     if (pass) {
         t->unit = unit_of_pass(&spec.sampler, pass);
         t->row0 = (int)t->unit.y;
-        if (pass->out > pass->first) /* another pass sent these rows */
-            t->nrows = t->nsent =
-                (uint32_t)(team_line_row(&spec.sampler, pass->out) - t->row0);
-        strict_describe(pass, &spec);
+        spec = pass->spec;
+        spec.sampler = callbacks->sampler;
+        spec.trace = callbacks->trace;
+        spec.paint = callbacks->paint;
+        spec.bottom = callbacks->bottom;
+        spec.truth.rows = callbacks->truth.rows;
+        spec.arg = callbacks->arg;
         spec.cpu_ns = NULL; /* processor time is not measured: time is virtual
                              */
+        if (spec.truth.out > spec.first) /* another pass sent these rows */
+            t->nrows = t->nsent =
+                (uint32_t)(team_line_row(&spec.sampler, spec.truth.out) -
+                           t->row0);
     } else {
         t->unit = *u;
         describe_window(u, &spec);
     }
+    spec.nthreads = 1;
     t->team = team_new(&spec);
     t->fibre = fibre_new(work, t);
     if (!t->team || !t->fibre) {

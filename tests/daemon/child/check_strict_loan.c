@@ -54,8 +54,8 @@ TEST(what_lines_cost_is_told)
 
     ck_assert_int_eq(strict_loan(s, &loan, NULL), 0);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p && p->rank == STRICT_LOAN && p->first == 4);
-    p->cpu_ns[0] = 7;
+    ck_assert(p && p->rank == STRICT_LOAN && p->spec.first == 4);
+    p->spec.cpu_ns[0] = 7;
     spent.rays = 2;
     end_pass(p, true);
     m = strict_message(s, true);
@@ -68,9 +68,9 @@ TEST(what_lines_cost_is_told)
 
     give_unit(1, 0, 4);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p && p->rank == STRICT_TRUE_LINES && p->first == 0);
+    ck_assert(p && p->rank == STRICT_TRUE_LINES && p->spec.first == 0);
     for (unsigned i = 0; i < 4; i++)
-        p->cpu_ns[i] = i + 1;
+        p->spec.cpu_ns[i] = i + 1;
     strict_split(s, 1, 1);
     strict_shrunk(s, p, 2);
     end_pass(p, false);
@@ -96,7 +96,7 @@ TEST(what_a_loan_traced_for_nothing_is_told)
     ck_assert_int_eq(strict_loan(s, &loan, NULL), 0);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p && p->rank == STRICT_LOAN);
-    facts = p->facts[4];
+    facts = p->spec.facts[4];
     ck_assert(rad_facts_put(facts, 6, 0, black, RAD_FACT_FOREIGN));
     ck_assert(!rad_facts_put(facts, 6, 0, black, 0));
     ck_assert(rad_facts_put(facts, 7, 0, black, 0));
@@ -172,7 +172,7 @@ TEST(a_line_is_left_when_others_are_out)
     ck_assert_uint_eq(m->gave.height,
                       (uint32_t)(team_line_row(&q, 7) - team_line_row(&q, 4)));
     p = strict_next(s, STRICT_TRUTH);
-    ck_assert(p && p->out == 6);
+    ck_assert(p && p->spec.truth.out == 6);
     ck_assert_int_eq(strict_least(p), 7);
     end_pass(p, false);
 }

@@ -28,18 +28,20 @@ TEST(bars_that_come_along_stay)
     start(sampler(4, 64, 90), false);
     give_flagged(0, 4, 24, MSG_UNIT_BARS);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_LINES && p->filled == 24 && !p->earlier);
+    ck_assert(p->rank == STRICT_LINES && p->spec.ahead.filled == 24 &&
+              !p->spec.ahead.earlier);
     strict_split(s, 0, 1);
     ck_assert(p->stop);
     p->finished = 12;
     end_pass(p, false);
     p = strict_next(s, STRICT_AHEAD); /* of 12 lines that are left 6 are */
-    ck_assert(p->last == 18 && p->filled == 18);
+    ck_assert(p->spec.last == 18 && p->spec.ahead.filled == 18);
     p->finished = 18;
     end_pass(p, true);
     give_top();
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_TRUE_LINES && p->filled == 4 && p->earlier);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->spec.ahead.filled == 4 &&
+              p->spec.ahead.earlier);
     end_pass(p, false);
 }
 
@@ -53,14 +55,14 @@ TEST(what_leaves_lines_out_fills_no_bars)
     start(sampler(4, 64, 90), false);
     give_flagged(0, 4, 24, MSG_UNIT_BARS);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_LINES && p->filled == 24);
+    ck_assert(p->rank == STRICT_LINES && p->spec.ahead.filled == 24);
     give_top();
     ck_assert(p->stop);
     p->finished = 23;
     end_pass(p, false);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_TRUE_LINES && p->earlier);
-    ck_assert_int_eq(p->filled, p->first);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->spec.ahead.earlier);
+    ck_assert_int_eq(p->spec.ahead.filled, p->spec.first);
     end_pass(p, false);
 }
 
@@ -84,12 +86,12 @@ make_pass(enum strict_rank rank, int first, int known)
     struct strict_pass *p = strict_next(s, STRICT_AHEAD);
 
     ck_assert(p && p->rank == rank);
-    ck_assert_int_eq(p->first, first);
-    ck_assert_int_eq(p->top_known, known);
-    ck_assert(known == 0 || p->top_density);
-    memset(p->record, 0,
-           (size_t)(p->last - p->first) * rad_quincunx_ndensity(&q));
-    p->finished = p->last;
+    ck_assert_int_eq(p->spec.first, first);
+    ck_assert_int_eq(p->spec.ahead.top_known, known);
+    ck_assert(known == 0 || p->spec.top_density);
+    memset(p->spec.ahead.record, 0,
+           (size_t)(p->spec.last - p->spec.first) * rad_quincunx_ndensity(&q));
+    p->finished = p->spec.last;
     end_black(p, true);
 }
 
@@ -226,7 +228,7 @@ TEST(facts_of_a_unit_that_waits_again_are_sent)
     make_pass(STRICT_LINES, 3, 0);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p && p->rank == STRICT_AHEAD);
-    ck_assert(rad_facts_put(p->facts[4], 0, 0, black, 0));
+    ck_assert(rad_facts_put(p->spec.facts[4], 0, 0, black, 0));
     end_black(p, true);
     ck_assert_uint_eq(strict_tick(s, 2000), 2200);
     ck_assert_uint_eq(strict_tick(s, 2200), STRICT_NEVER);
@@ -250,7 +252,7 @@ LOOP_TEST(a_guess_goes_with_lines_that_are_given_away, N_ELEM(splits))
     p = strict_next(s, STRICT_AHEAD);
     strict_split(s, 0, 1);
     ck_assert(p && p->stop);
-    memset(p->record, 0, 4 * rad_quincunx_ndensity(&q));
+    memset(p->spec.ahead.record, 0, 4 * rad_quincunx_ndensity(&q));
     p->finished = splits[_i].finished;
     end_pass(p, false);
     expect_guess(4, splits[_i].known);
@@ -345,7 +347,7 @@ TEST(pieces_that_nobody_took_yet_are_one)
     }
     give_unit(0, 0, 4);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p && p->true_top);
+    ck_assert(p && strict_has_true_top(p));
     for (int i = 0; i < N_ELEM(made); i++) {
         uint32_t to = (uint32_t)made[i], d = n * to / 64;
 
@@ -440,8 +442,8 @@ TEST(a_top_that_is_made_here_has_no_colours_above)
     u.height = (uint32_t)team_line_rows(&q, 5);
     ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert_int_eq(p->first, 4);
-    ck_assert_ptr_nonnull(p->top_density);
-    ck_assert_ptr_null(p->top);
+    ck_assert_int_eq(p->spec.first, 4);
+    ck_assert_ptr_nonnull(p->spec.top_density);
+    ck_assert_ptr_null(p->spec.top);
     end_pass(p, false);
 }

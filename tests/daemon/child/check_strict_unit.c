@@ -21,7 +21,8 @@ TEST(a_parked_unit_that_is_worked_on_says_so)
     expect_pass(STRICT_LINES, false); /* of the upper unit */
     ck_assert(!is_said(MSG_RESUMED));
     p = strict_next(s, STRICT_AHEAD); /* the lower unit has densities above */
-    ck_assert(p && p->unit == 0 && p->rank == STRICT_LINES && p->top_density);
+    ck_assert(p && p->unit == 0 && p->rank == STRICT_LINES &&
+              p->spec.top_density);
     ck_assert(is_said(MSG_RESUMED));
     end_black(p, true);
     p = strict_next(s, STRICT_AHEAD);
@@ -29,7 +30,7 @@ TEST(a_parked_unit_that_is_worked_on_says_so)
     ck_assert(!is_said(MSG_RESUMED));
     end_black(p, true);
     p = strict_next(s, STRICT_AHEAD); /* and colours above */
-    ck_assert(p && p->unit == 0 && p->rank == STRICT_AHEAD && p->top);
+    ck_assert(p && p->unit == 0 && p->rank == STRICT_AHEAD && p->spec.top);
     end_black(p, true);
     ck_assert(is_said(MSG_PARKED));
 }
