@@ -65,8 +65,8 @@ pool_end_pass_locked(struct active *u)
     team_bottom(u->team, &b);
     u->pass->finished = finished;
     u->pass->made = team_made(u->team);
-    u->whole = strict_ended(p->strict, u->pass, team_done(u->team), b.pixels,
-                            b.density, &spent, &u->counts);
+    u->whole = strict_ended(p->strict, u->pass, team_done(u->team), &b, &spent,
+                            &u->counts);
     u->pass = NULL;
     pool_changed_locked(p);
 }

@@ -365,7 +365,8 @@ static void
 fail_begin(struct pool *p, const struct pool_unit *unit,
            struct strict_pass *pass)
 {
-    struct msg_counts none = { 0 };
+    const struct team_bottom no_bottom = { 0 };
+    const struct msg_counts none = { 0 };
     struct rad_error err = { 0 };
 
     rad_fail_memory(&err);
@@ -373,7 +374,7 @@ fail_begin(struct pool *p, const struct pool_unit *unit,
     if (!pass)
         return;
     uv_mutex_lock(&p->mu);
-    strict_ended(p->strict, pass, false, NULL, NULL, &none, NULL);
+    strict_ended(p->strict, pass, false, &no_bottom, &none, NULL);
     uv_mutex_unlock(&p->mu);
 }
 

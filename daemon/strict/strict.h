@@ -152,21 +152,20 @@ void strict_blocked(struct strict_pass *p, int finished);
  * Else do nothing.  Call this before asking the team for the bottom. */
 void strict_cut(struct strict *s, struct strict_pass *p, struct team *t);
 
-/* So many columns and densities of the bottom of a pass under a true top are
- * final, as in the picture: send those that were not sent. */
-void strict_bottom(struct strict *s, struct strict_pass *p, int columns,
-                   size_t densities, const struct rad_pixel *pixels,
-                   const uint8_t *density);
+/* This much of the bottom of a pass under a true top is final, as in the
+ * picture: send what was not sent. */
+void strict_bottom(struct strict *s, struct strict_pass *p,
+                   const struct team_bottom *b);
 
 /* The team has left the pass, which is freed.
- *   done     the pass came to its end; pixels and density are its bottom
+ *   done     the pass came to its end, and so b is its whole bottom
  *   spent    the pass's cost; its primary rays count only if TRUTH is done, for
  *            they are those of the whole unit
  * True: the unit is done, and *total is the cost of all its passes; speculative
  * rays are facts that no row needed. */
 bool strict_ended(struct strict *s, struct strict_pass *p, bool done,
-                  const struct rad_pixel *pixels, const uint8_t *density,
-                  const struct msg_counts *spent, struct msg_counts *total);
+                  const struct team_bottom *b, const struct msg_counts *spent,
+                  struct msg_counts *total);
 
 /* Is there a unit that can only wait for its top? */
 bool strict_waits(const struct strict *s);

@@ -195,8 +195,7 @@ keep_record(struct strict_unit *u, struct strict_pass *p)
 /* Set the guess at the bottom, and at the densities above the unit if these are
  * not NULL. */
 static void
-set_guess(struct strict *s, struct strict_unit *u,
-          const struct rad_pixel *pixels, const uint8_t *density,
+set_guess(struct strict *s, struct strict_unit *u, const struct team_bottom *b,
           const uint8_t *above)
 {
     const struct frame *f = frame_of(s, u->frame);
@@ -210,9 +209,9 @@ set_guess(struct strict *s, struct strict_unit *u,
         s->error = RAD_ENOMEM;
         return;
     }
-    memcpy(u->guess.pixels, pixels, n);
+    memcpy(u->guess.pixels, b->pixels, n);
     if (f->ndensity > 0)
-        memcpy(u->guess.density, density, f->ndensity);
+        memcpy(u->guess.density, b->density, f->ndensity);
     free(u->guess.above);
     u->guess.above = NULL;
     if (above || f->ndensity == 0) /* there may be no densities */
@@ -221,7 +220,7 @@ set_guess(struct strict *s, struct strict_unit *u,
 
 void
 guess_keep(struct strict *s, struct strict_pass *p, bool done,
-           const struct rad_pixel *pixels, const uint8_t *density)
+           const struct team_bottom *b)
 {
     const struct team_spec *spec = &p->spec;
     struct strict_unit *u = p->of;
@@ -234,8 +233,8 @@ guess_keep(struct strict *s, struct strict_pass *p, bool done,
         above = kept ? recorded(s, u, u->first - 1) : NULL;
     u->guess.known = spec->ahead.top_known + spec->last - spec->first;
     u->top_known = spec->ahead.top_known + u->first - spec->first;
-    if (pixels)
-        set_guess(s, u, pixels, density, above);
+    if (b->pixels)
+        set_guess(s, u, b, above);
 }
 
 /* The densities above the unit's last line, and how many lines they follow

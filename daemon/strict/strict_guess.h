@@ -21,7 +21,7 @@ bool guess_record(const struct strict *s, struct strict_pass *p);
 /* The pass has left: keep the densities that it recorded and, if it is done,
  * its bottom as a guess for the unit below. */
 void guess_keep(struct strict *s, struct strict_pass *p, bool done,
-                const struct rad_pixel *pixels, const uint8_t *density);
+                const struct team_bottom *b);
 /* Send the worker of the unit below the densities above the unit's last line,
  * if they are known better than those that were sent.  Facts of the last line
  * go before. */

@@ -280,17 +280,17 @@ continued(const struct queue *q, const struct item *it)
 /* Over facts pieces of a line are made faster than they are sent: a piece that
  * continues the last one in the queue is joined to it. */
 void
-out_piece(struct strict *s, const struct strict_pass *p, int columns,
-          size_t densities, const struct rad_pixel *pixels,
-          const uint8_t *density)
+out_piece(struct strict *s, const struct strict_pass *p,
+          const struct team_bottom *b)
 {
     struct item it = { .kind = ITEM_PIECE,
                        .frame = p->frame,
                        .line = p->spec.last - 1,
                        .x = (uint32_t)p->sent_columns,
-                       .n = (uint32_t)(columns - p->sent_columns),
+                       .n = (uint32_t)(b->columns - p->sent_columns),
                        .first = (uint32_t)p->sent_densities,
-                       .ndensity = (uint32_t)(densities - p->sent_densities) };
+                       .ndensity =
+                           (uint32_t)(b->ndensity - p->sent_densities) };
     struct item *last = continued(&s->urgent, &it);
 
     if (last) {
@@ -299,7 +299,7 @@ out_piece(struct strict *s, const struct strict_pass *p, int columns,
         it.first = last->first;
         it.ndensity += last->ndensity;
     }
-    if (!fill_piece(s, &it, pixels, density))
+    if (!fill_piece(s, &it, b->pixels, b->density))
         return;
     if (last) {
         free(last->bytes);

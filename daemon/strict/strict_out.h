@@ -24,9 +24,8 @@ void out_line_costs(struct strict *s, const struct strict_unit *u);
 void out_loan(struct strict *s, const struct strict_unit *u,
               const struct team_loan *loan);
 /* Queue the part of a pass's bottom that was not sent. */
-void out_piece(struct strict *s, const struct strict_pass *p, int columns,
-               size_t densities, const struct rad_pixel *pixels,
-               const uint8_t *density);
+void out_piece(struct strict *s, const struct strict_pass *p,
+               const struct team_bottom *b);
 /* Queue a unit's whole bottom; before all other messages if the unit below is
  * at another worker. */
 void out_bottom(struct strict *s, const struct strict_unit *u,

@@ -207,38 +207,37 @@ strict_base_line(struct strict *s, const struct msg_base_line *m)
 }
 
 void
-strict_bottom(struct strict *s, struct strict_pass *p, int columns,
-              size_t densities, const struct rad_pixel *pixels,
-              const uint8_t *density)
+strict_bottom(struct strict *s, struct strict_pass *p,
+              const struct team_bottom *b)
 {
     const struct frame *f = frame_of(s, p->frame);
-    bool all = columns == f->q.width && densities == f->ndensity;
+    bool all = b->columns == f->q.width && b->ndensity == f->ndensity;
     struct edge *e;
 
     if (!strict_has_true_top(p) || is_gone(p->of) || p->of->bottom_done ||
-        p->spec.last == f->nlines || columns < p->sent_columns ||
-        densities < p->sent_densities ||
-        (columns - p->sent_columns < f->q.xstep && !all) ||
+        p->spec.last == f->nlines || b->columns < p->sent_columns ||
+        b->ndensity < p->sent_densities ||
+        (b->columns - p->sent_columns < f->q.xstep && !all) ||
         (p->sent_columns == f->q.width && p->sent_densities == f->ndensity) ||
         !(e = edge_make(s, p->frame, p->spec.last - 1)))
         return;
-    out_piece(s, p, columns, densities, pixels, density);
-    p->sent_columns = p->of->sent_columns = columns;
-    p->sent_densities = p->of->sent_densities = densities;
+    out_piece(s, p, b);
+    p->sent_columns = p->of->sent_columns = b->columns;
+    p->sent_densities = p->of->sent_densities = b->ndensity;
     if (!all)
         return;
     p->of->bottom_done = true;
-    if (edge_set(s, e, pixels, density))
+    if (edge_set(s, e, b->pixels, b->density))
         spread_top(s, e);
 }
 
 static void
 end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
-          const struct rad_pixel *pixels, const uint8_t *density)
+          const struct team_bottom *b)
 {
     const struct frame *f = frame_of(s, u->frame);
 
-    strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+    strict_bottom(s, p, b);
     if (p->spec.mode == TEAM_AHEAD)
         strict_unit_advance(u, PROGRESS_AHEAD);
     else if (u->progress < PROGRESS_LINES ||
@@ -253,14 +252,12 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
 
 /* TRUTH is done, and so the unit: sum its cost. */
 static void
-end_truth(struct strict *s, struct strict_pass *p,
-          const struct rad_pixel *pixels, const uint8_t *density,
+end_truth(struct strict *s, struct strict_pass *p, const struct team_bottom *b,
           struct msg_counts *total)
 {
     const struct strict_unit *u = p->of;
-    const struct frame *f = frame_of(s, u->frame);
 
-    strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+    strict_bottom(s, p, b);
     strict_unit_decide(p->of, FATE_OVER);
     out_line_costs(s, u);
     *total = u->spent;
@@ -322,7 +319,7 @@ strict_look(struct strict *s, struct strict_pass *p, struct team *t)
         return;
     team_bottom(t, &b);
     if (b.pixels)
-        strict_bottom(s, p, b.columns, b.ndensity, b.pixels, b.density);
+        strict_bottom(s, p, &b);
 }
 
 void
@@ -364,8 +361,8 @@ keep_filled(struct strict_unit *u, const struct strict_pass *p)
 
 bool
 strict_ended(struct strict *s, struct strict_pass *p, bool done,
-             const struct rad_pixel *pixels, const uint8_t *density,
-             const struct msg_counts *spent, struct msg_counts *total)
+             const struct team_bottom *b, const struct msg_counts *spent,
+             struct msg_counts *total)
 {
     struct strict_unit *u = p->of;
     bool over = done && !is_gone(u) && p->spec.mode == TEAM_TRUTH;
@@ -376,13 +373,13 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
         keep_out(u, p);
     keep_filled(u, p);
     strict_unit_made(u, &p->made);
-    guess_keep(s, p, done && !p->stop, pixels, density);
+    guess_keep(s, p, done && !p->stop, b);
     if (over)
-        end_truth(s, p, pixels, density, total);
+        end_truth(s, p, b, total);
     else if (paid && !is_gone(u))
         loan_end(s, u);
     else if (done && !p->stop)
-        end_ahead(s, u, p, pixels, density);
+        end_ahead(s, u, p, b);
     u->pass = NULL;
     pass_free(p);
     if (!is_gone(u))

@@ -116,13 +116,13 @@ task_end(struct task *t, struct strict *s, struct msg_counts *spent,
     strict_cut(s, t->pass, t->team);
     team_bottom(t->team, &b);
     t->pass->finished = finished;
-    return strict_ended(s, t->pass, team_done(t->team), b.pixels, b.density,
-                        spent, total);
+    return strict_ended(s, t->pass, team_done(t->team), &b, spent, total);
 }
 
 void
 task_drop(struct task *t, struct strict *s)
 {
+    const struct team_bottom no_bottom = { 0 };
     const struct msg_counts none = { 0 };
 
     if (!t->team)
@@ -132,7 +132,7 @@ task_drop(struct task *t, struct strict *s)
     while (fibre_run(t->fibre))
         ;
     if (t->pass)
-        strict_ended(s, t->pass, false, NULL, NULL, &none, NULL);
+        strict_ended(s, t->pass, false, &no_bottom, &none, NULL);
     task_release(t);
 }
 

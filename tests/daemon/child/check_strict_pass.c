@@ -110,6 +110,7 @@ static const struct {
 LOOP_TEST(a_guess_from_true_densities_is_true, N_ELEM(guesses))
 {
     uint8_t density[64] = { guesses[_i].density };
+    struct team_bottom b = bottom_of(black, density);
     struct strict_pass *p;
 
     start(q, guesses[_i].painted);
@@ -123,7 +124,7 @@ LOOP_TEST(a_guess_from_true_densities_is_true, N_ELEM(guesses))
     give_top();
     p = strict_next(s, STRICT_AHEAD);
     ck_assert_int_eq(p->rank, STRICT_TRUE_LINES);
-    strict_ended(s, p, true, black, density, &spent, &total);
+    strict_ended(s, p, true, &b, &spent, &total);
     if (guesses[_i].holds)
         ck_assert_int_eq(next_base_line(), 10);
     ck_assert_int_eq(next_base_line(), 7);
@@ -333,6 +334,7 @@ TEST(pieces_that_nobody_took_yet_are_one)
     static const int made[] = { 12, 24, 48, 64 }; /* taken after the second */
     struct rad_pixel bottom[64] = { 0 };
     uint8_t density[64], want[64 * 12];
+    struct team_bottom b = { 0 };
     struct strict_pass *p;
     const struct msg *m;
     uint32_t n, from = 0;
@@ -351,7 +353,8 @@ TEST(pieces_that_nobody_took_yet_are_one)
     for (int i = 0; i < N_ELEM(made); i++) {
         uint32_t to = (uint32_t)made[i], d = n * to / 64;
 
-        strict_bottom(s, p, made[i], d, bottom, density);
+        b = (struct team_bottom){ bottom, density, made[i], d };
+        strict_bottom(s, p, &b);
         if (i % 2 == 0)
             continue;
         m = strict_message(s, true);
@@ -367,7 +370,7 @@ TEST(pieces_that_nobody_took_yet_are_one)
         ck_assert_ptr_null(strict_message(s, true));
         from = to;
     }
-    strict_ended(s, p, false, bottom, density, &spent, &total);
+    strict_ended(s, p, false, &b, &spent, &total);
 }
 
 /* What is made of it counts once, however often it was left. */

@@ -52,18 +52,30 @@ tear_down(void)
     strict_free(s);
 }
 
+/* A whole bottom. */
+static inline struct team_bottom
+bottom_of(const struct rad_pixel *pixels, const uint8_t *density)
+{
+    return (struct team_bottom){ pixels, density, q.width,
+                                 rad_quincunx_ndensity(&q) };
+}
+
 /* Whether its unit is over. */
 static inline bool
 end_pass(struct strict_pass *p, bool done)
 {
-    return strict_ended(s, p, done, NULL, NULL, &spent, &total);
+    const struct team_bottom none = { 0 };
+
+    return strict_ended(s, p, done, &none, &spent, &total);
 }
 
 /* The same of a pass whose bottom is black, its densities 0. */
 static inline bool
 end_black(struct strict_pass *p, bool done)
 {
-    return strict_ended(s, p, done, black, zeros, &spent, &total);
+    const struct team_bottom b = bottom_of(black, zeros);
+
+    return strict_ended(s, p, done, &b, &spent, &total);
 }
 
 /* The next pass must be of that rank; it ends at once, done. */
