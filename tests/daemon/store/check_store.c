@@ -13,17 +13,61 @@
 #include <sysexits.h>
 #include <time.h>
 
-FIXTURE(scratch_make, scratch_remove)
+static uv_loop_t loop;
+static struct store *s;
+static struct heard h;
+
+static void
+set_up(void)
+{
+    scratch_make();
+    uv_loop_init(&loop);
+    s = NULL;
+    h = (struct heard){ 0 };
+}
+
+static void
+tear_down(void)
+{
+    if (s)
+        store_close(s);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+    scratch_remove();
+}
+
+FIXTURE(set_up, tear_down)
+
+static void
+open_store(bool durable)
+{
+    s = store_open(&loop, dir, durable, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+}
+
+static void
+digest_of(const char *text, uint8_t digest[MSG_HASH])
+{
+    char hex[RAD_SHA_HEX + 1];
+
+    hash_of(text, strlen(text), hex);
+    rad_sha_from_hex(hex, digest);
+}
+
+/* Where the store keeps a file of that text; until the next call. */
+static const char *
+place_of(const char *text)
+{
+    static char path[300];
+    char hex[RAD_SHA_HEX + 1];
+
+    hash_of(text, strlen(text), hex);
+    snprintf(path, sizeof path, "%s/files/%s", dir, hex);
+    return path;
+}
 
 TEST(store_keeps_files_and_refuses_impostors)
 {
-    struct heard h = { 0 };
-    uv_loop_t loop;
-    struct store *s;
-
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, true, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
+    open_store(true);
     put_file(s, "hello", "hello");
     run(&loop, s);
     ck_assert_int_eq(h.files, 1);
@@ -32,24 +76,16 @@ TEST(store_keeps_files_and_refuses_impostors)
     run(&loop, s);
     ck_assert_int_eq(h.files, 2);
     ck_assert_int_eq(h.status, 76);
-    store_close(s);
-    ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
 
 /* Have a store take n pieces of the file "hello". */
 static void
-take_pieces(struct heard *h, const struct msg_chunk *piece, int n)
+take_pieces(const struct msg_chunk *piece, int n)
 {
     uint8_t digest[MSG_HASH];
-    char hex[RAD_SHA_HEX + 1];
-    uv_loop_t loop;
-    struct store *s;
 
-    hash_of("hello", 5, hex);
-    rad_sha_from_hex(hex, digest);
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, h, NULL);
-    ck_assert_ptr_nonnull(s);
+    digest_of("hello", digest);
+    open_store(false);
     for (int i = 0; i < n; i++) {
         struct msg_chunk c = piece[i];
 
@@ -58,8 +94,6 @@ take_pieces(struct heard *h, const struct msg_chunk *piece, int n)
         store_put_chunk(s, 5, &c);
     }
     run(&loop, s);
-    store_close(s);
-    ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
 
 /* A sender that cannot read a file, or its rest, sends it as an empty one. */
@@ -68,9 +102,8 @@ LOOP_TEST(store_tells_of_a_file_that_its_sender_cannot_read, 2)
     static const struct msg_chunk half_and_empty[] = {
         { .total = 5, .len = 2 }, { .total = 0, .len = 0 }
     };
-    struct heard h = { 0 };
 
-    take_pieces(&h, half_and_empty + _i, 2 - _i);
+    take_pieces(half_and_empty + _i, 2 - _i);
     ck_assert_int_eq(h.files, 1);
     ck_assert_int_eq(h.status, EX_PROTOCOL);
     ck_assert_str_eq(h.text, "file 2cf24dba5fb0 came empty: its sender cannot "
@@ -83,9 +116,8 @@ TEST(a_file_that_begins_again_with_another_length_is_refused)
     static const struct msg_chunk small_and_large[] = {
         { .total = 2, .len = 1 }, { .total = 5, .len = 5 }
     };
-    struct heard h = { 0 };
 
-    take_pieces(&h, small_and_large, 2);
+    take_pieces(small_and_large, 2);
     ck_assert_int_eq(h.status, EX_PROTOCOL);
     ck_assert_str_eq(h.text, "a file that changed its length");
 }
@@ -93,17 +125,10 @@ TEST(a_file_that_begins_again_with_another_length_is_refused)
 TEST(store_tells_of_every_chunk)
 {
     static const char text[] = "in three parts";
-    struct heard h = { 0 };
     uint8_t digest[MSG_HASH];
-    char hex[RAD_SHA_HEX + 1];
-    uv_loop_t loop;
-    struct store *s;
 
-    hash_of(text, strlen(text), hex);
-    rad_sha_from_hex(hex, digest);
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
+    digest_of(text, digest);
+    open_store(false);
     for (size_t at = 0, n; at < strlen(text); at += n) {
         struct msg_chunk c = { .hash = digest, .offset = at };
 
@@ -120,19 +145,14 @@ TEST(store_tells_of_every_chunk)
     ck_assert_int_eq(h.chunks, 2);
     ck_assert_int_eq(h.files, 1);
     ck_assert_int_eq(h.status, 0);
-    store_close(s);
-    ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
 
-/* Same length, another content. */
+/* Give the file of the text "hello" another content of the same length. */
 static void
-damage(const char *file)
+damage(void)
 {
-    char path[PATH_MAX];
-    FILE *f;
+    FILE *f = fopen(place_of("hello"), "r+");
 
-    snprintf(path, sizeof path, "%s/files/%s", dir, file);
-    f = fopen(path, "r+");
     ck_assert_ptr_nonnull(f);
     fputs("HELLO", f);
     fclose(f);
@@ -140,78 +160,54 @@ damage(const char *file)
 
 TEST(store_notices_damaged_files)
 {
-    struct heard h = { 0 };
     uint8_t digest[MSG_HASH];
-    char hex[RAD_SHA_HEX + 1];
-    uv_loop_t loop;
-    struct store *s;
 
-    hash_of("hello", 5, hex);
-    rad_sha_from_hex(hex, digest);
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
+    digest_of("hello", digest);
+    open_store(false);
     for (int again = 0; again < 2; again++) {
         put_file(s, "hello", "hello");
         run(&loop, s);
         ck_assert(store_check_file(s, digest));
         ck_assert(store_check_file(s, digest)); /* now known */
-        damage(hex);
+        damage();
         ck_assert(!store_check_file(s, digest));
         ck_assert(!store_check_file(s, digest));
     }
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 /* Another process finds a file: it is read off the loop, once. */
 LOOP_TEST(files_are_read_behind_the_loop, 2)
 {
-    struct heard h = { 0 };
     uint8_t digest[MSG_HASH];
     struct action_look look = { .request = 7,
                                 .nlook = 1,
                                 .files = { 1, digest } };
-    char hex[RAD_SHA_HEX + 1];
-    uv_loop_t loop;
-    struct store *s;
 
-    hash_of("hello", 5, hex);
-    rad_sha_from_hex(hex, digest);
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    digest_of("hello", digest);
+    open_store(false);
     ck_assert(store_look(s, &look)); /* it is missing */
     put_file(s, "hello", "hello");
     run(&loop, s);
     ck_assert(store_look(s, &look)); /* it was written just now */
     store_close(s);
     if (_i)
-        damage(hex);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
+        damage();
+    open_store(false);
     ck_assert(!store_look(s, &look));
     ck_assert_uint_eq(h.looked, 0);
     run(&loop, s);
     ck_assert_uint_eq(h.looked, 7);
     ck_assert(store_look(s, &look));
     ck_assert(store_check_file(s, digest) == !_i);
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 TEST(folder_serves_one_store)
 {
     struct rad_error err = { 0 };
-    struct heard h = { 0 };
-    uv_loop_t loop;
-    struct store *s;
 
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, true, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
+    open_store(true);
     ck_assert_ptr_null(store_open(&loop, dir, true, &handler, &h, &err));
     ck_assert_int_eq(err.code, RAD_ECANTCREAT);
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 /* File `name` of a folder below dir, made with it. */
@@ -235,22 +231,14 @@ put_in(const char *folder, const char *name)
 
 TEST(without_a_database_jobs_go_and_files_stay)
 {
-    struct heard h = { 0 };
-    uv_loop_t loop;
-    struct store *s;
-
     put_in(OLD_JOB, "0.rows");
     put_in(OLD_JOB, "0.hdr");
     put_in("jobs/of-another-program", "0.rows");
     put_in("files", OLD_HASH);
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
+    open_store(false);
     ck_assert(!is_there(OLD_JOB));
     ck_assert(is_there("jobs/of-another-program/0.rows"));
     ck_assert(is_there("files/" OLD_HASH));
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 static const struct msg_frame one_frame = { 0, W, H, "-vtv -vp 0 0 0" };
@@ -263,15 +251,11 @@ LOOP_TEST(job_becomes_a_picture, 2)
 {
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
     struct store_source from = { .what = MSG_WHAT_PREVIEW };
-    struct heard h = { 0 };
     struct rad_picture pic;
     char buf[4096];
-    uv_loop_t loop;
-    struct store *s;
 
     memcpy(from.job, job, MSG_JOB);
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, _i, &handler, &h, NULL);
+    open_store(_i);
     store_open_job(s, job, &small);
     put_unit(s, job, 0, 3, 3);
     run(&loop, s);
@@ -306,8 +290,6 @@ LOOP_TEST(job_becomes_a_picture, 2)
     read_all(s, &from, buf, sizeof buf, &h);
     run(&loop, s);
     ck_assert_int_lt(h.n, 0);
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 TEST(pieces_of_a_preview_are_of_one_file)
@@ -315,14 +297,10 @@ TEST(pieces_of_a_preview_are_of_one_file)
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
     struct store_source from = { .job = { 1, 2, 3 }, .what = MSG_WHAT_PREVIEW };
     struct store_reading slow = { .from = from }, other = { .from = from };
-    struct heard h = { 0 };
     struct rad_picture pic;
     char buf[4096], more[4096];
-    uv_loop_t loop;
-    struct store *s;
 
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    open_store(false);
     store_open_job(s, job, &small);
     put_unit(s, job, 0, 3, 3);
     store_read(s, &slow, buf, 100, on_read, &h);
@@ -346,21 +324,15 @@ TEST(pieces_of_a_preview_are_of_one_file)
     ck_assert_float_eq(pic.L[3 * W].r, 0); /* had not come */
     rad_picture_release(&pic);
     store_reading_release(&slow);
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 TEST(few_previews_are_read_at_a_time)
 {
     enum { MOST = 8 };
     struct store_reading r[MOST + 1];
-    struct heard h = { 0 };
-    uv_loop_t loop;
-    struct store *s;
     char buf[1];
 
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    open_store(false);
     store_open_job(s, (const uint8_t[MSG_JOB]){ 1 }, &small);
     put_unit(s, (const uint8_t[MSG_JOB]){ 1 }, 0, 3, 3);
     for (int i = 0; i <= MOST; i++) {
@@ -377,8 +349,6 @@ TEST(few_previews_are_read_at_a_time)
     ck_assert_int_eq(h.n, 1);
     for (int i = 0; i <= MOST; i++)
         store_reading_release(&r[i]);
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 TEST(what_is_larger_than_the_disk_waits_for_no_room)
@@ -398,13 +368,9 @@ TEST(a_preview_waits_for_no_room_on_the_disk)
 {
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
     struct store_source from = { .job = { 1, 2, 3 }, .what = MSG_WHAT_PREVIEW };
-    struct heard h = { 0 };
     char buf[4096], path[300], hex[MSG_JOB_HEX];
-    uv_loop_t loop;
-    struct store *s;
 
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, true, &handler, &h, NULL);
+    open_store(true);
     store_open_job(s, job, &small);
     put_unit(s, job, 0, 3, 3);
     run(&loop, s);
@@ -419,53 +385,35 @@ TEST(a_preview_waits_for_no_room_on_the_disk)
     read_all(s, &from, buf, sizeof buf, &h);
     run(&loop, s);
     ck_assert_int_gt(h.n, 0);
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 /* --- files that go --- */
 
 /* As if nobody had asked for it for so long. */
 static void
-make_old(const char *text, long s)
+make_old(const char *text, long for_s)
 {
-    struct timespec times[2] = { { .tv_sec = time(NULL) - s }, { 0 } };
-    char hex[RAD_SHA_HEX + 1], path[300];
+    struct timespec times[2] = { { .tv_sec = time(NULL) - for_s }, { 0 } };
 
     times[1] = times[0];
-    ck_assert_int_eq(rad_sha_hex(text, strlen(text), hex, NULL), 0);
-    snprintf(path, sizeof path, "%s/files/%s", dir, hex);
-    ck_assert_int_eq(utimensat(AT_FDCWD, path, times, 0), 0);
+    ck_assert_int_eq(utimensat(AT_FDCWD, place_of(text), times, 0), 0);
 }
 
 static bool
 has_text(const char *text)
 {
-    char hex[RAD_SHA_HEX + 1], path[RAD_SHA_HEX + 8];
-
-    ck_assert_int_eq(rad_sha_hex(text, strlen(text), hex, NULL), 0);
-    snprintf(path, sizeof path, "files/%s", hex);
-    return is_there(path);
+    return access(place_of(text), F_OK) == 0;
 }
 
 static void
-digest_of(const char *text, uint8_t digest[MSG_HASH])
-{
-    char hex[RAD_SHA_HEX + 1];
-
-    ck_assert_int_eq(rad_sha_hex(text, strlen(text), hex, NULL), 0);
-    rad_sha_from_hex(hex, digest);
-}
-
-static void
-sweep(uv_loop_t *loop, struct store *s, const char *needed)
+sweep(const char *needed)
 {
     uint8_t *keep = malloc(MSG_HASH);
 
     ck_assert_ptr_nonnull(keep);
     digest_of(needed, keep);
     store_sweep(s, keep, 1, 3600);
-    run(loop, s);
+    run(&loop, s);
 }
 
 TEST(files_that_no_job_needs_go_after_a_day)
@@ -473,15 +421,10 @@ TEST(files_that_no_job_needs_go_after_a_day)
     static const char *const texts[] = { "needed", "asked for", "new",
                                          "forgotten", "old" };
     uint8_t asked[MSG_HASH];
-    struct heard h = { 0 };
-    uv_loop_t loop;
-    struct store *s;
     FILE *f;
     char path[200];
 
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, true, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
+    open_store(true);
     for (int i = 0; i < N_ELEM(texts); i++)
         put_file(s, texts[i], texts[i]);
     run(&loop, s);
@@ -494,37 +437,25 @@ TEST(files_that_no_job_needs_go_after_a_day)
     fclose(f);
     digest_of("asked for", asked);
     ck_assert(store_check_file(s, asked));
-    sweep(&loop, s, "needed");
+    sweep("needed");
     ck_assert(has_text("needed") && has_text("asked for") && has_text("new"));
     ck_assert(!has_text("forgotten") && !has_text("old"));
     ck_assert(is_there("files/a note of somebody's"));
-    store_close(s);
-    uv_loop_close(&loop);
 }
 
 /* A clock that was years ahead would keep the file for as long. */
 TEST(a_file_of_the_future_is_new)
 {
-    struct heard h = { 0 };
-    char hex[RAD_SHA_HEX + 1], path[200];
     struct stat st;
-    uv_loop_t loop;
-    struct store *s;
 
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, true, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
+    open_store(true);
     put_file(s, "ahead", "ahead");
     run(&loop, s);
     make_old("ahead", -1000000);
-    sweep(&loop, s, "needed");
-    ck_assert_int_eq(rad_sha_hex("ahead", 5, hex, NULL), 0);
-    snprintf(path, sizeof path, "%s/files/%s", dir, hex);
-    ck_assert_int_eq(stat(path, &st), 0);
+    sweep("needed");
+    ck_assert_int_eq(stat(place_of("ahead"), &st), 0);
     ck_assert_int_le(st.st_mtime, time(NULL));
     make_old("ahead", 3660);
-    sweep(&loop, s, "needed");
+    sweep("needed");
     ck_assert(!has_text("ahead"));
-    store_close(s);
-    uv_loop_close(&loop);
 }
