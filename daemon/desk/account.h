@@ -39,7 +39,7 @@ struct coord_owner {
     struct known files; /* files of the store that the user may refer to */
     struct uploads_sum uploads;
     struct coord_told told;
-    struct coord_kept kept; /* as coord_forget_old() last counted */
+    struct coord_kept kept; /* as bygone_forget_old() last counted */
 };
 
 #endif

@@ -52,7 +52,7 @@ struct coord {
     struct coord_env env;
     struct coord_keep keep;
     bool keep_due;            /* a job ended or was fetched since keep_ms */
-    uint64_t keep_ms;         /* when coord_forget_old() last ran */
+    uint64_t keep_ms;         /* when bygone_forget_old() last ran */
     struct saved_gone *gones; /* records of jobs that were forgotten */
     size_t ngones;
     struct coord_limits limits;

@@ -64,7 +64,7 @@ struct coord_peer {
 };
 
 /* How long jobs that are over are remembered, with their pictures
- * (coord_keep.c).  Each owner's jobs count by themselves. */
+ * (bygone.c).  Each owner's jobs count by themselves. */
 struct coord_keep {
     uint32_t jobs;         /* most jobs: the last so many */
     uint64_t ms;           /* for so long; 0: no limit */

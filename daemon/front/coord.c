@@ -2,9 +2,9 @@
  *
  * Events come in here; messages go to tables of handlers: workers.c, request.c.
  * Whether a message may come from its sender was checked before, by the session
- * (proto/message.def).  coord_conn.c has the life of connections, coord_job.c
- * the life of jobs; sched.c says which worker gets what; intake.c and
- * delivery.c answer users. */
+ * (proto/message.def).  connlife.c has the life of connections, joblife.c the
+ * life of jobs; sched.c says which worker gets what; intake.c and delivery.c
+ * answer users. */
 #include "config.h"
 
 #include "front/coord.h"
@@ -20,9 +20,9 @@
 #include "front/reply.h"
 #include "front/request.h"
 #include "front/workers.h"
-#include "registry/coord_conn.h"
-#include "registry/coord_job.h"
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
+#include "registry/connlife.h"
+#include "registry/joblife.h"
 #include "registry/telling.h"
 #include "filling/passes.h"
 #include "sched/result.h"
@@ -112,7 +112,7 @@ coord_free(struct coord *c)
         c->owners = next;
     }
     for (size_t i = 0; i < c->njobs; i++)
-        coord_free_job(c->jobs[i]);
+        joblife_free(c->jobs[i]);
     free(c->gones);
     free(c->jobs);
     actions_release(&c->actions);
@@ -142,7 +142,7 @@ handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
         conn->session == MSG_AT_COORD_OBSERVER)
         request_handle(c, conn, m);
     else if (m->type == MSG_HELLO)
-        coord_hello(c, conn, m);
+        connlife_hello(c, conn, m);
     else if (conn->worker)
         workers_handle(c, conn->worker, m);
 }
@@ -155,8 +155,8 @@ static void
 carry_out_verdicts(struct coord *c)
 {
     while (c->verdicts > 0) {
-        coord_end_jobs(c);
-        coord_end_conns(c);
+        joblife_end_all(c);
+        connlife_end_all(c);
     }
 }
 
@@ -179,7 +179,7 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
              const struct coord_peer *peer)
 {
     c->now_ms = now_ms;
-    coord_conn_opened(c, id, peer);
+    connlife_opened(c, id, peer);
     settle(c, false);
 }
 
@@ -189,7 +189,7 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
     bool known = desk_find_conn(c, id);
 
     c->now_ms = now_ms;
-    coord_conn_closed(c, id, why);
+    connlife_closed(c, id, why);
     if (known)
         settle(c, true);
 }
@@ -265,7 +265,7 @@ coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t id,
     }
     actions_send(&c->actions, id, &m);
     uploads_whole(&c->uploads, id, hash, now_ms);
-    coord_file_came(c, owner, hash);
+    joblife_file_came(c, owner, hash);
     settle(c, false);
 }
 
@@ -310,7 +310,7 @@ coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                  uint64_t sequence, int status, const char *text)
 {
     c->now_ms = now_ms;
-    coord_open_job(c, id, sequence, status, text);
+    joblife_opened(c, id, sequence, status, text);
     settle(c, true);
 }
 
@@ -320,7 +320,7 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
                       uint32_t frame, int status, const char *text)
 {
     c->now_ms = now_ms;
-    coord_take_picture(c, id, sequence, frame, status, text);
+    joblife_picture_written(c, id, sequence, frame, status, text);
     settle(c, false);
 }
 
@@ -463,7 +463,7 @@ coord_set_keep(struct coord *c, const struct coord_keep *keep)
 {
     c->keep = *keep;
     c->keep_due = true;
-    coord_forget_old(c);
+    bygone_forget_old(c);
 }
 
 void
@@ -476,16 +476,16 @@ coord_tick(struct coord *c, uint64_t now_ms)
     delivery_tick(c);
     reply_tick(c);
     coord_files_tick(c);
-    coord_jobs_tick(c);
+    joblife_tick(c);
     settle(c, false);
-    coord_forget_old(c);
+    bygone_forget_old(c);
     coord_files_expire(c);
     if (now_ms - c->told_progress_ms < PROGRESS_MS)
         return;
     c->told_progress_ms = now_ms;
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch)
-            coord_send_progress(c, conn, conn->watch);
+            joblife_send_progress(c, conn, conn->watch);
         else if (c->full && conn->offer_ms != 0)
             say_held(c, conn);
 }

@@ -11,7 +11,7 @@
 
 #include "front/reply.h"
 #include "jobs/job.h"
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
 #include "registry/stats.h"
 #include "registry/telling.h"
 
@@ -69,7 +69,7 @@ send_kept(struct coord *c, struct coord_conn *conn, uint32_t request,
     a->frame = frame;
     a->what = what;
     conn->answers++;
-    coord_fetching(c, conn, job);
+    bygone_fetching(c, conn, job);
 }
 
 /* Begin to make a text.  False: the store sends it, or memory is out. */

@@ -5,8 +5,8 @@
 
 #include "front/reply.h"
 #include "jobs/job.h"
-#include "registry/coord_job.h"
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
+#include "registry/joblife.h"
 #include "registry/quota.h"
 #include "registry/reuse.h"
 #include "users/known.h"
@@ -186,9 +186,9 @@ attach(struct coord *c, struct coord_conn *conn, uint32_t request,
     }
     conn->watch_request = request;
     if (job->stage == STAGE_OPEN || job_over(job))
-        coord_send_accept(c, conn, job, true);
+        joblife_send_accept(c, conn, job, true);
     if (job_over(job))
-        coord_send_end(c, conn, job);
+        joblife_send_end(c, conn, job);
     else
         conn->watch = job;
 }
@@ -249,12 +249,12 @@ intake_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     }
     job = job_new(&spec, conn->owner);
-    if (!job || !coord_add_job(c, job)) {
+    if (!job || !joblife_add(c, job)) {
         job_free(job);
         c->actions.failed = true;
         return;
     }
-    coord_drop_gone(c, job->id);
+    bygone_drop(c, job->id);
     choose_coding(job);
     uploads_named(&c->uploads, &conn->payer->uploads, &job->spec.files);
     job->submit_ms = job->found_ms = c->now_ms;
@@ -266,5 +266,5 @@ intake_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
     rad_text_print(name, sizeof name, "%s", job->spec.name);
     actions_log(&c->actions, ACT_INFO, "job new job=%s owner=%s name=%s",
                 job->hex, job->owner, name);
-    coord_try_open(c, job);
+    joblife_try_open(c, job);
 }

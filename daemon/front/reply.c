@@ -4,7 +4,7 @@
 #include "front/reply.h"
 
 #include "jobs/job.h"
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
 #include "registry/telling.h"
 
 #include <stdlib.h>
@@ -123,10 +123,10 @@ reply_no_job(struct coord *c, struct coord_conn *conn, uint32_t request,
     const struct saved_gone *g;
 
     msg_job_format(id, hex);
-    g = coord_find_gone(c, hex);
+    g = bygone_find(c, hex);
     if (g && (conn->session == MSG_AT_COORD_ADMIN ||
               strcmp(conn->owner, g->owner) == 0))
-        coord_gone_text(g, text);
+        bygone_text(g, text);
     desk_reply_failed(c, conn, request, id, EX_NOINPUT, text);
 }
 

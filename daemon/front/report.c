@@ -8,7 +8,7 @@
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/progress.h"
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
 #include "filling/passes.h"
 #include "filling/tiles.h"
 
@@ -239,10 +239,10 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     const struct coord_worker *full = without_room(job);
     const char *nobody = lacks_workers(c, job, buf);
     const struct job_worker *first = lacks_bits(job);
-    char when[COORD_TIME];
+    char when[BYGONE_TIME];
 
     if (desk_unfetched(c, job) && !job->text[0]) {
-        coord_time_text(job->over_ms + c->keep.unfetched_ms, when);
+        bygone_time_text(job->over_ms + c->keep.unfetched_ms, when);
         snprintf(buf, MSG_MAX_TEXT + 1, "not fetched; kept until %s", when);
         return buf;
     }
@@ -364,7 +364,7 @@ report_gone(const struct saved_gone *g)
     char hex[MSG_JOB_HEX], text[MSG_MAX_TEXT + 1];
 
     msg_job_format(g->job, hex);
-    coord_gone_text(g, text);
+    bygone_text(g, text);
     return json_pack("{s:s,s:s,s:s,s:s,s:b,s:s}", "job", hex, "name", g->name,
                      "owner", g->owner, "state", "forgotten", "fetched",
                      g->fetched, "text", text);
@@ -450,9 +450,9 @@ query_job(const struct coord *c, const char *text, int *status, json_t **root)
         *root = report_job(c, job, MSG_MAX_LABEL);
         return NULL;
     }
-    gone = *status == EX_NOINPUT && text[0] ? coord_find_gone(c, text) : NULL;
+    gone = *status == EX_NOINPUT && text[0] ? bygone_find(c, text) : NULL;
     if (gone) {
-        coord_gone_text(gone, why);
+        bygone_text(gone, why);
         return strdup(why);
     }
     return message(*status == EX_USAGE ? "several jobs begin with '%s'"

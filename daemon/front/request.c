@@ -11,9 +11,9 @@
 #include "front/reply.h"
 #include "front/report.h"
 #include "jobs/job.h"
-#include "registry/coord_conn.h"
-#include "registry/coord_job.h"
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
+#include "registry/connlife.h"
+#include "registry/joblife.h"
 #include "registry/quota.h"
 #include "sched/sched.h"
 
@@ -61,7 +61,7 @@ on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
         snprintf(text, sizeof text, "cancelled by administrator %s",
                  conn->owner);
     verdict_job(c, job, JOB_CANCELLED, EX_TEMPFAIL, text);
-    coord_end_jobs(c); /* so that the job's end is kept before the answer */
+    joblife_end_all(c); /* so that the job's end is kept before the answer */
     reply_settled(c, conn, m->request);
 }
 
@@ -74,7 +74,7 @@ on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     log_job(c, conn, "paused", job);
     job->state = JOB_PAUSED;
-    coord_keep_state(c, job);
+    joblife_keep_state(c, job);
     reply_settled(c, conn, m->request);
 }
 
@@ -88,7 +88,7 @@ on_resume(struct coord *c, struct coord_conn *conn, const struct msg *m)
     log_job(c, conn, "resumed", job);
     if (job->state == JOB_PAUSED)
         job->state = job->first_ms ? JOB_RUNNING : JOB_WAITING;
-    coord_keep_state(c, job);
+    joblife_keep_state(c, job);
     reply_settled(c, conn, m->request);
 }
 
@@ -105,7 +105,7 @@ on_delete(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     }
     log_job(c, conn, "deleted", job);
-    coord_forget_job(c, job, GONE_DELETED);
+    bygone_forget(c, job, GONE_DELETED);
     reply_settled(c, conn, m->request);
 }
 
@@ -122,10 +122,10 @@ on_priority(struct coord *c, struct coord_conn *conn, const struct msg *m)
                           rad_exit_status(err.code), err.what);
         return;
     }
-    coord_set_priority(c, job, m->priority.priority);
+    joblife_set_priority(c, job, m->priority.priority);
     actions_log(&c->actions, ACT_INFO, "job priority job=%s priority=%d by=%s",
                 job->hex, m->priority.priority, conn->owner);
-    coord_keep_state(c, job);
+    joblife_keep_state(c, job);
     reply_settled(c, conn, m->request);
 }
 
@@ -267,7 +267,7 @@ on_forget(struct coord *c, struct coord_conn *conn, const struct msg *m)
     w->forgotten = true;
     w->drained = false;
     keep_drained(c, w);
-    coord_drop_forgotten(c);
+    connlife_drop_forgotten(c);
     reply_settled(c, conn, m->request);
 }
 

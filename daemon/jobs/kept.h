@@ -19,7 +19,7 @@ struct kept_cache {
     uint64_t bytes; /* size on the disk, part of kept_bytes; 0: no cache is kept
                      */
     bool held;      /* the cache may not be deleted: a new job that begins with
-                     * it has not got the records yet (coord_keep.c) */
+                     * it has not got the records yet (bygone.c) */
     struct pass_range range; /* passes in the cache, if the job ended in this
                               * life of the coordinator */
     uint64_t reused;         /* number of another job's records that this job

@@ -4,7 +4,7 @@
 #include "radcoord/radcoord_impl.h"
 
 #include "net/log.h"
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
 #include "registry/recover.h"
 
 #include <string.h>
@@ -223,8 +223,8 @@ sent(void *arg, uint64_t id, const struct store_source *whole)
 
     coord_sent(r->coord, id);
     if (whole && !whole->file) {
-        coord_fetched(r->coord, radcoord_now(r), id, whole->job, whole->frame,
-                      whole->what);
+        bygone_fetched(r->coord, radcoord_now(r), id, whole->job, whole->frame,
+                       whole->what);
         shell_run(&r->shell);
     }
 }
@@ -234,7 +234,7 @@ recall_gone(void *arg, const struct saved_gone *g)
 {
     struct radcoord *r = arg;
 
-    coord_recall_gone(r->coord, g);
+    bygone_recall(r->coord, g);
 }
 
 static const struct store_handler store_handler = { .gone = recall_gone,

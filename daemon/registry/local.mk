@@ -1,11 +1,11 @@
 # the life of a job and of a connection, limits, statistics
 libdaemon_a_SOURCES += \
-	daemon/registry/coord_conn.c \
-	daemon/registry/coord_conn.h \
-	daemon/registry/coord_job.c \
-	daemon/registry/coord_job.h \
-	daemon/registry/coord_keep.c \
-	daemon/registry/coord_keep.h \
+	daemon/registry/bygone.c \
+	daemon/registry/bygone.h \
+	daemon/registry/connlife.c \
+	daemon/registry/connlife.h \
+	daemon/registry/joblife.c \
+	daemon/registry/joblife.h \
 	daemon/registry/quota.c \
 	daemon/registry/quota.h \
 	daemon/registry/recover.c \

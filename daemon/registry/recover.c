@@ -11,9 +11,9 @@
 #include "jobs/shared.h"
 #include "jobs/unit.h"
 #include "desk/verdict.h"
-#include "registry/coord_conn.h"
-#include "registry/coord_job.h"
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
+#include "registry/connlife.h"
+#include "registry/joblife.h"
 #include "filling/stages.h"
 #include "filling/lead.h"
 #include "filling/passes.h"
@@ -53,7 +53,7 @@ static uint32_t
 worker_of(const struct recovery *r, const struct saved_unit *s)
 {
     struct coord_worker *w =
-        s->worker[0] ? coord_worker_of(r->c, s->worker) : NULL;
+        s->worker[0] ? connlife_worker(r->c, s->worker) : NULL;
     uint32_t index = w ? desk_add_worker(r->c, r->job, w) : JOB_NOBODY;
 
     if (index != JOB_NOBODY && s->fingerprint) {
@@ -256,7 +256,7 @@ take_up(const struct recovery *r)
         verdict_job(r->c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
     else if ((lost = stages_lost(job)))
         verdict_job(r->c, job, JOB_FAILED, EX_IOERR, lost);
-    coord_end_jobs(r->c);
+    joblife_end_all(r->c);
     return 0;
 }
 
@@ -311,11 +311,11 @@ recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
 
     c->now_ms = now_ms;
     r.job = job_new(&s->spec, s->owner);
-    if (!r.job || !coord_add_job(c, r.job)) {
-        coord_free_job(r.job);
+    if (!r.job || !joblife_add(c, r.job)) {
+        joblife_free(r.job);
         return rad_fail_memory(err);
     }
-    coord_drop_gone(c, r.job->id);
+    bygone_drop(c, r.job->id);
     take_times(r.job, now_ms, s);
     r.job->lives = s->lives + 1;
     if (!known_name(&r.job->payer->files, &r.job->spec.files))
@@ -335,7 +335,7 @@ recover_drained(struct coord *c, uint64_t now_ms, const char *name,
     struct coord_worker *w;
 
     c->now_ms = now_ms;
-    w = coord_worker_of(c, name);
+    w = connlife_worker(c, name);
     if (!w)
         return rad_fail_memory(err);
     w->drained = true;

@@ -1,10 +1,10 @@
 # tests of the coordinator's decisions: jobs, their owners, workers
 UNIT_TESTS += \
+	tests/daemon/coord/check_bygone \
 	tests/daemon/coord/check_coord_conns \
 	tests/daemon/coord/check_coord_faults \
 	tests/daemon/coord/check_coord_feeding \
 	tests/daemon/coord/check_coord_jobs \
-	tests/daemon/coord/check_coord_keep \
 	tests/daemon/coord/check_coord_order \
 	tests/daemon/coord/check_coord_passes \
 	tests/daemon/coord/check_coord_rows \

@@ -1,4 +1,4 @@
-/* coord_keep.c - how long jobs that are over are remembered, and the records of
+/* bygone.c - how long jobs that are over are remembered, and the records of
  * jobs that were forgotten
  *
  * Each owner's jobs are counted by themselves, so no user's jobs push out the
@@ -10,11 +10,11 @@
  * until the new job has the records, however long its files take to come. */
 #include "config.h"
 
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
 
 #include "desk/desk.h"
 #include "jobs/job.h"
-#include "registry/coord_job.h"
+#include "registry/joblife.h"
 
 #include "base/list.h"
 #include "base/text.h"
@@ -162,7 +162,7 @@ forget_listed(struct coord *c)
         k->jobs--;
         k->weight -= job_weight(v[i]);
         k->bytes -= v[i]->kept_bytes;
-        coord_forget_job(c, v[i], why);
+        bygone_forget(c, v[i], why);
     }
     free(v);
 }
@@ -175,7 +175,7 @@ forget_fetched(struct coord *c, const struct coord_kept *k)
 {
     if (k->fetching <= FETCHING || k->fetching + k->jobs <= c->keep.jobs)
         return false;
-    coord_forget_job(c, k->fetched, GONE_MANY);
+    bygone_forget(c, k->fetched, GONE_MANY);
     return true;
 }
 
@@ -248,7 +248,7 @@ limit_caches(struct coord *c)
 }
 
 void
-coord_forget_old(struct coord *c)
+bygone_forget_old(struct coord *c)
 {
     bool again = c->keep_due || since(c, c->keep_ms) >= LOOK_MS;
 
@@ -289,16 +289,16 @@ is_owners(const struct coord_conn *conn, const struct job *job)
 }
 
 void
-coord_fetching(const struct coord *c, const struct coord_conn *conn,
-               struct job *job)
+bygone_fetching(const struct coord *c, const struct coord_conn *conn,
+                struct job *job)
 {
     if (is_owners(conn, job))
         job->fetched_ms = c->now_ms;
 }
 
 void
-coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
-              const uint8_t id[MSG_JOB], uint32_t frame, enum msg_what what)
+bygone_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
+               const uint8_t id[MSG_JOB], uint32_t frame, enum msg_what what)
 {
     const struct coord_conn *to = desk_find_conn(c, conn);
     struct job *job = desk_find_job(c, id);
@@ -344,7 +344,7 @@ limit_gones(struct coord *c, const char *owner)
 }
 
 void
-coord_recall_gone(struct coord *c, const struct saved_gone *g)
+bygone_recall(struct coord *c, const struct saved_gone *g)
 {
     if (g->why == GONE_DELETED)
         return; /* a user has deleted the job, and knows */
@@ -358,7 +358,7 @@ coord_recall_gone(struct coord *c, const struct saved_gone *g)
 }
 
 void
-coord_drop_gone(struct coord *c, const uint8_t job[MSG_JOB])
+bygone_drop(struct coord *c, const uint8_t job[MSG_JOB])
 {
     for (size_t i = c->ngones; i-- > 0;)
         if (memcmp(c->gones[i].job, job, MSG_JOB) == 0)
@@ -366,7 +366,7 @@ coord_drop_gone(struct coord *c, const uint8_t job[MSG_JOB])
 }
 
 const struct saved_gone *
-coord_find_gone(const struct coord *c, const char *hex)
+bygone_find(const struct coord *c, const char *hex)
 {
     for (size_t i = c->ngones; i-- > 0;) {
         char text[MSG_JOB_HEX];
@@ -379,18 +379,18 @@ coord_find_gone(const struct coord *c, const char *hex)
 }
 
 void
-coord_time_text(uint64_t ms, char text[COORD_TIME])
+bygone_time_text(uint64_t ms, char text[BYGONE_TIME])
 {
     time_t s = (time_t)(ms / 1000);
     struct tm tm;
 
     if (!gmtime_r(&s, &tm) ||
-        strftime(text, COORD_TIME, "%Y-%m-%d %H:%M UTC", &tm) == 0)
-        snprintf(text, COORD_TIME, "?");
+        strftime(text, BYGONE_TIME, "%Y-%m-%d %H:%M UTC", &tm) == 0)
+        snprintf(text, BYGONE_TIME, "?");
 }
 
 void
-coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1])
+bygone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1])
 {
     static const char *const whys[GONE_NWHYS] = {
         [GONE_MANY] = "forgotten for keep_jobs",
@@ -399,9 +399,9 @@ coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1])
         [GONE_BEFORE] = "forgotten at a restart",
         [GONE_DELETED] = "deleted by radctl",
     };
-    char when[COORD_TIME];
+    char when[BYGONE_TIME];
 
-    coord_time_text(g->gone_ms, when);
+    bygone_time_text(g->gone_ms, when);
     /* short enough for a cell of a table */
     snprintf(text, MSG_MAX_TEXT + 1, "%s on %s%s",
              g->why < GONE_NWHYS ? whys[g->why] : "forgotten", when,
@@ -425,7 +425,7 @@ gone_of(const struct coord *c, const struct job *job, enum gone_why why)
 }
 
 void
-coord_forget_job(struct coord *c, struct job *job, enum gone_why why)
+bygone_forget(struct coord *c, struct job *job, enum gone_why why)
 {
     struct saved_gone gone = gone_of(c, job, why);
     struct action *a = actions_add(&c->actions, ACT_JOB_FORGET, 0);
@@ -433,9 +433,9 @@ coord_forget_job(struct coord *c, struct job *job, enum gone_why why)
 
     if (a)
         a->gone = actions_keep(&c->actions, &gone, sizeof gone);
-    coord_gone_text(&gone, text);
+    bygone_text(&gone, text);
     actions_log(&c->actions, ACT_INFO, "job forgotten job=%s owner=%s why=%s",
                 job->hex, job->owner, text);
-    coord_recall_gone(c, &gone);
-    coord_drop_job(c, job);
+    bygone_recall(c, &gone);
+    joblife_drop(c, job);
 }

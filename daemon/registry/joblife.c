@@ -1,4 +1,4 @@
-/* coord_job.c - see coord_job.h
+/* joblife.c - see joblife.h
  *
  * A job waits until its files are stored and there is room for its rows; then
  * the job is accepted.  It is over when all its pictures are written, when it
@@ -6,7 +6,7 @@
  * coord_keep). */
 #include "config.h"
 
-#include "registry/coord_job.h"
+#include "registry/joblife.h"
 
 #include "desk/desk.h"
 #include "desk/attempt.h"
@@ -16,7 +16,7 @@
 #include "jobs/progress.h"
 #include "jobs/shared.h"
 #include "desk/verdict.h"
-#include "registry/coord_conn.h"
+#include "registry/connlife.h"
 #include "registry/reuse.h"
 #include "registry/stats.h"
 #include "registry/telling.h"
@@ -33,8 +33,8 @@
 #define LOOK_FILES 512 /* files of a job that are looked for at a time */
 
 void
-coord_send_progress(struct coord *c, const struct coord_conn *conn,
-                    const struct job *job)
+joblife_send_progress(struct coord *c, const struct coord_conn *conn,
+                      const struct job *job)
 {
     struct msg m = { .type = MSG_PROGRESS, .request = conn->watch_request };
 
@@ -44,14 +44,14 @@ coord_send_progress(struct coord *c, const struct coord_conn *conn,
 }
 
 void
-coord_send_end(struct coord *c, const struct coord_conn *conn,
-               const struct job *job)
+joblife_send_end(struct coord *c, const struct coord_conn *conn,
+                 const struct job *job)
 {
     struct msg m = { .type = MSG_DONE,
                      .request = conn->watch_request,
                      .done = { job->id, job->spec.nframes } };
 
-    coord_send_progress(c, conn, job);
+    joblife_send_progress(c, conn, job);
     if (job->state == JOB_DONE)
         actions_send(&c->actions, conn->id, &m);
     else
@@ -60,8 +60,8 @@ coord_send_end(struct coord *c, const struct coord_conn *conn,
 }
 
 void
-coord_send_accept(struct coord *c, const struct coord_conn *conn,
-                  const struct job *job, bool again)
+joblife_send_accept(struct coord *c, const struct coord_conn *conn,
+                    const struct job *job, bool again)
 {
     struct msg m = { .type = MSG_ACCEPT,
                      .request = conn->watch_request,
@@ -71,7 +71,7 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
 }
 
 bool
-coord_add_job(struct coord *c, struct job *job)
+joblife_add(struct coord *c, struct job *job)
 {
     job->payer = desk_owner(c, job->owner);
     if (!job->payer)
@@ -82,7 +82,7 @@ coord_add_job(struct coord *c, struct job *job)
 }
 
 void
-coord_set_priority(struct coord *c, struct job *job, int32_t priority)
+joblife_set_priority(struct coord *c, struct job *job, int32_t priority)
 {
     job->spec.priority = priority;
     order_move(c, job);
@@ -111,7 +111,7 @@ lacks_files(const struct job *job)
  * To look for a file takes some microseconds, so of very many files the rest is
  * looked for later. */
 void
-coord_try_open(struct coord *c, struct job *job)
+joblife_try_open(struct coord *c, struct job *job)
 {
     const struct msg_hashes *f = &job->spec.files;
     struct action *a;
@@ -139,8 +139,8 @@ coord_try_open(struct coord *c, struct job *job)
 }
 
 void
-coord_file_came(struct coord *c, const struct coord_owner *owner,
-                const uint8_t hash[MSG_HASH])
+joblife_file_came(struct coord *c, const struct coord_owner *owner,
+                  const uint8_t hash[MSG_HASH])
 {
     for (size_t i = 0; i < c->nopen; i++) {
         struct job *job = c->jobs[i];
@@ -148,7 +148,7 @@ coord_file_came(struct coord *c, const struct coord_owner *owner,
         if (job->payer == owner && lacks_files(job) &&
             job->nfound < job->spec.files.n &&
             memcmp(next_file(job), hash, MSG_HASH) == 0)
-            coord_try_open(c, job);
+            joblife_try_open(c, job);
     }
 }
 
@@ -170,13 +170,13 @@ end_stalled(struct coord *c, struct job *job)
 }
 
 /* Has the store the statistics of a job that is over?  The job stays as it is
- * for COORD_LINGER_MS, for its workers' last messages still come, and while its
- * statistics are made for a user. */
+ * for JOBLIFE_LINGER_MS, for its workers' last messages still come, and while
+ * its statistics are made for a user. */
 static bool
 may_lighten(const struct coord *c, const struct job *job)
 {
     return job->stage == STAGE_KEPT &&
-           c->now_ms - job->end_ms >= COORD_LINGER_MS && !telling_of(c, job);
+           c->now_ms - job->end_ms >= JOBLIFE_LINGER_MS && !telling_of(c, job);
 }
 
 static void
@@ -185,11 +185,11 @@ lighten(struct coord *c, struct job *job)
     progress_tell(job, c->now_ms, &job->last);
     job_lighten(job);
     order_move(c, job);
-    coord_drop_forgotten(c);
+    connlife_drop_forgotten(c);
 }
 
 void
-coord_jobs_tick(struct coord *c)
+joblife_tick(struct coord *c)
 {
     for (size_t i = c->nended; i-- > c->nopen;) {
         if (c->jobs[i]->filing)
@@ -201,7 +201,7 @@ coord_jobs_tick(struct coord *c)
         if (!lacks_files(c->jobs[i]))
             continue;
         if (c->jobs[i]->nfound % LOOK_FILES == 0)
-            coord_try_open(c, c->jobs[i]);
+            joblife_try_open(c, c->jobs[i]);
         if (lacks_files(c->jobs[i]))
             end_stalled(c, c->jobs[i]);
     }
@@ -224,7 +224,7 @@ stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
 }
 
 void
-coord_keep_state(struct coord *c, const struct job *job)
+joblife_keep_state(struct coord *c, const struct job *job)
 {
     struct action *a;
 
@@ -244,11 +244,11 @@ wait_no_more(struct coord *c, struct job *job)
 {
     job->text[0] = '\0';
     actions_log(&c->actions, ACT_INFO, "job has room job=%s", job->hex);
-    coord_keep_state(c, job);
+    joblife_keep_state(c, job);
 }
 
 void
-coord_open_job(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
+joblife_opened(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
                int status, const char *text)
 {
     struct job *job = stored(c, id, sequence, status, text);
@@ -264,11 +264,11 @@ coord_open_job(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
         wait_no_more(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job)
-            coord_send_accept(c, conn, job, false);
+            joblife_send_accept(c, conn, job, false);
 }
 
 void
-coord_free_job(struct job *job)
+joblife_free(struct job *job)
 {
     if (!job)
         return;
@@ -281,13 +281,13 @@ coord_free_job(struct job *job)
 }
 
 void
-coord_drop_job(struct coord *c, struct job *job)
+joblife_drop(struct coord *c, struct job *job)
 {
     order_remove(c, job);
     if (job->stage != STAGE_ARRIVING)
         known_unname(&job->payer->files, c->now_ms, &job->spec.files);
-    coord_free_job(job);
-    coord_drop_forgotten(c);
+    joblife_free(job);
+    connlife_drop_forgotten(c);
 }
 
 /* Give the store the job's statistics and how the job ended. */
@@ -370,14 +370,14 @@ end_job(struct coord *c, struct job *job)
     file_job(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job) {
-            coord_send_end(c, conn, job);
+            joblife_send_end(c, conn, job);
             conn->watch = NULL;
         }
     order_move(c, job);
 }
 
 void
-coord_end_jobs(struct coord *c)
+joblife_end_all(struct coord *c)
 {
     for (size_t i = 0; i < c->nopen;)
         if (c->jobs[i]->ending)
@@ -387,9 +387,9 @@ coord_end_jobs(struct coord *c)
 }
 
 void
-coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
-                   uint64_t sequence, uint32_t frame, int status,
-                   const char *text)
+joblife_picture_written(struct coord *c, const uint8_t id[MSG_JOB],
+                        uint64_t sequence, uint32_t frame, int status,
+                        const char *text)
 {
     struct job *job = stored(c, id, sequence, status, text);
 

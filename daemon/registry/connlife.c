@@ -1,4 +1,4 @@
-/* coord_conn.c - see coord_conn.h
+/* connlife.c - see connlife.h
  *
  * A connection has a number from the shell, and a session, which says which
  * messages may come.  The roles that it may have are known when it opens; its
@@ -6,7 +6,7 @@
  * worker's name replaces the old one. */
 #include "config.h"
 
-#include "registry/coord_conn.h"
+#include "registry/connlife.h"
 
 #include "desk/desk.h"
 #include "desk/verdict.h"
@@ -63,7 +63,7 @@ whose(const struct coord_conn *conn)
 }
 
 void
-coord_conn_closed(struct coord *c, uint64_t id, const char *why)
+connlife_closed(struct coord *c, uint64_t id, const char *why)
 {
     struct coord_conn *conn = desk_find_conn(c, id);
 
@@ -104,7 +104,7 @@ end_conn(struct coord *c, struct coord_conn *conn, enum action_level level,
 }
 
 void
-coord_end_conns(struct coord *c)
+connlife_end_all(struct coord *c)
 {
     for (struct coord_conn *conn = c->conns, *next; conn; conn = next) {
         next = conn->next;
@@ -151,7 +151,7 @@ make_room(struct coord *c, const struct coord_conn *conn)
 }
 
 void
-coord_conn_opened(struct coord *c, uint64_t id, const struct coord_peer *peer)
+connlife_opened(struct coord *c, uint64_t id, const struct coord_peer *peer)
 {
     struct coord_conn *conn = calloc(1, sizeof *conn);
     struct coord_owner *payer = desk_owner(c, peer->owner);
@@ -189,7 +189,7 @@ refuse(struct coord *c, struct coord_conn *conn, uint32_t request, int status,
 }
 
 struct coord_worker *
-coord_worker_of(struct coord *c, const char *name)
+connlife_worker(struct coord *c, const char *name)
 {
     struct coord_worker *w = desk_find_worker(c, name), **end = &c->workers;
 
@@ -217,7 +217,7 @@ has_part(const struct coord *c, const struct coord_worker *w)
 }
 
 void
-coord_drop_forgotten(struct coord *c)
+connlife_drop_forgotten(struct coord *c)
 {
     struct coord_worker *w, **link = &c->workers;
 
@@ -269,7 +269,7 @@ replace(struct coord *c, const struct coord_worker *w,
 static bool
 join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
 {
-    struct coord_worker *w = coord_worker_of(c, m->name);
+    struct coord_worker *w = connlife_worker(c, m->name);
 
     if (!w) {
         c->actions.failed = true;
@@ -360,7 +360,7 @@ log_hello(struct coord *c, const struct coord_conn *conn,
 }
 
 void
-coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
+connlife_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     static const enum msg_session session[] = {
         [MSG_ROLE_WORKER] = MSG_AT_COORD_WORKER,

@@ -1,9 +1,9 @@
-/* check_coord_keep.c - jobs that are over, and how long they are kept */
+/* check_bygone.c - jobs that are over, and how long they are kept */
 #include "config.h"
 
 #include "coord_fixture.h"
 
-#include "registry/coord_keep.h"
+#include "registry/bygone.h"
 #include "registry/recover.h"
 
 FIXTURE(set_up, tear_down)
@@ -48,7 +48,7 @@ is_recalled(const uint8_t *job)
     char hex[MSG_JOB_HEX];
 
     msg_job_format(job, hex);
-    return coord_find_gone(f.c, hex);
+    return bygone_find(f.c, hex);
 }
 
 TEST(a_forgotten_job_that_is_submitted_again_is_not_forgotten)
@@ -79,7 +79,8 @@ TEST(jobs_that_are_over_stand_behind_the_others)
     ck_assert_uint_eq(f.c->nopen, 4);
     for (size_t i = 0; i < 8; i++)
         ck_assert(job_over(f.c->jobs[i]) == (i >= 4));
-    for (size_t i = 1; i < 4; i++) { /* the begun jobs first, then those queued */
+    for (size_t i = 1; i < 4;
+         i++) { /* the begun jobs first, then those queued */
         const struct job *a = f.c->jobs[i - 1], *b = f.c->jobs[i];
 
         ck_assert(a->rank < b->rank ||
@@ -163,21 +164,21 @@ TEST(what_was_not_fetched_is_kept)
     whole_job(job_b);
     carry_out();
     /* not the owner */
-    coord_fetched(f.c, f.now_ms, BOB, job_b, 0, MSG_WHAT_PICTURE);
+    bygone_fetched(f.c, f.now_ms, BOB, job_b, 0, MSG_WHAT_PICTURE);
     /* on the socket, whose user the owner is, but to look only */
     ana = desk_find_conn(f.c, ANA);
     was = ana->session;
     ana->session = MSG_AT_COORD_OBSERVER;
-    coord_fetched(f.c, f.now_ms, ANA, job_b, 0, MSG_WHAT_PICTURE);
+    bygone_fetched(f.c, f.now_ms, ANA, job_b, 0, MSG_WHAT_PICTURE);
     ana->session = was;
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
     wait_s(30);
     ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
     wait_s(40);
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
     ck_assert_ptr_nonnull(desk_find_job(f.c, job_b));
     msg_job_format(job_a, hex);
-    ck_assert(coord_find_gone(f.c, hex)->fetched);
+    ck_assert(bygone_find(f.c, hex)->fetched);
     wait_s(40);
     ck_assert_ptr_null(desk_find_job(f.c, job_b));
     about(ANA, MSG_CANCEL, job_b);
@@ -233,13 +234,13 @@ LOOP_TEST(the_file_that_its_owner_waits_for_is_fetched, N_ELEM(main_file))
     carry_out();
     job = desk_find_job(f.c, job_a);
     ck_assert(desk_unfetched(f.c, job));
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_STATS);
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].beside);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_STATS);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].beside);
     ck_assert(desk_unfetched(f.c, job));
     ck_assert_uint_eq(fetched_actions(), 0);
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].main);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].main);
     ck_assert(!desk_unfetched(f.c, job));
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].main);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].main);
     ck_assert_uint_eq(fetched_actions(), 1);
     carry_out();
 }
@@ -264,7 +265,7 @@ TEST(a_job_stays_while_its_files_are_sent)
     coord_set_keep(f.c, &keep);
     whole_job(job_a);
     carry_out();
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
     sending = true;
     wait_s(300);
     ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
@@ -286,9 +287,9 @@ TEST(each_file_that_is_fetched_keeps_its_job)
     coord_set_keep(f.c, &keep);
     whole_job(job_a);
     carry_out();
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
     wait_s(50);
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_STATS);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_STATS);
     wait_s(50);
     say(ANA, &fetch);
     wait_s(50);
@@ -308,7 +309,7 @@ TEST(few_of_those_just_fetched_are_kept)
         id[0] = (uint8_t)i;
         whole_job(id);
         carry_out();
-        coord_fetched(f.c, f.now_ms, ANA, id, 0, MSG_WHAT_PICTURE);
+        bygone_fetched(f.c, f.now_ms, ANA, id, 0, MSG_WHAT_PICTURE);
     }
     wait_s(2);
     ck_assert_uint_eq(f.c->njobs, 64);
@@ -423,12 +424,12 @@ TEST(what_was_sent_of_no_picture_is_not_fetched)
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
     for (uint32_t u = 0; u < 4; u++) {
-        coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
+        bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
         result(WORKER, job_a, u, 1);
     }
-    coord_fetched(f.c, f.now_ms, STRANGER, job_a, 0, MSG_WHAT_PICTURE);
-    coord_fetched(f.c, f.now_ms, ANA, job_b, 0, MSG_WHAT_PICTURE);
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 1 << 30, MSG_WHAT_PICTURE);
+    bygone_fetched(f.c, f.now_ms, STRANGER, job_a, 0, MSG_WHAT_PICTURE);
+    bygone_fetched(f.c, f.now_ms, ANA, job_b, 0, MSG_WHAT_PICTURE);
+    bygone_fetched(f.c, f.now_ms, ANA, job_a, 1 << 30, MSG_WHAT_PICTURE);
     ck_assert_uint_eq(fetched_actions(), 0);
     ck_assert_uint_eq(desk_find_job(f.c, job_a)->unfetched, 1);
 }
