@@ -48,13 +48,10 @@ count(struct turns *t, double ms, double cpu_ms)
 {
     struct turns_seen *s = &t->seen;
 
-    s->turns++;
     if (ms > s->longest_ms)
         s->longest_ms = ms;
-    if (cpu_ms > s->longest_cpu_ms) {
+    if (cpu_ms > s->longest_cpu_ms)
         s->longest_cpu_ms = cpu_ms;
-        snprintf(s->what, sizeof s->what, "%s", t->what);
-    }
     if (cpu_ms < TURNS_LONG_MS && ms < TURNS_STALLED_MS)
         return;
     s->slow++;

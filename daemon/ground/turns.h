@@ -17,11 +17,9 @@
 #define TURNS_STALLED_MS 100
 
 struct turns_seen {
-    uint64_t turns, slow;  /* since the start */
+    uint64_t slow;         /* turns, since the start */
     double longest_ms;     /* by the clock */
     double longest_cpu_ms; /* of processor time */
-    char what[32];         /* the part that took longest in the turn of
-                            * longest_cpu_ms */
 };
 
 struct turns {

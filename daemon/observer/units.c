@@ -77,7 +77,6 @@ add_unit(struct units *u, const json_t *unit, enum units_kind kind)
     double end = markup_number(unit, "end_s");
     size_t worker = worker_of(u, markup_member(unit, "worker"));
 
-    u->total += kind == UNITS_DONE;
     if (worker == UNITS_WORKERS || !(start >= 0) || !(end >= start) ||
         end > 1e9)
         return true;

@@ -38,7 +38,6 @@ struct units {
     size_t nworkers;
     struct units_span *spans; /* by worker, lane, start */
     size_t nspans;
-    uint32_t total;        /* units that are done */
     double start_s, end_s; /* of the first and last span */
 };
 
