@@ -202,14 +202,13 @@ watch(struct submit *s)
         }
         if ((rc = submit_preview(s)) < 0)
             return rc;
-        if ((rc = submit_next(s, SUBMIT_LOOK_MS, &m)) < 0 ||
-            (rc = submit_ask_reason(s)) < 0)
+        if ((rc = submit_next(s, &m)) < 0 || (rc = submit_ask_reason(s)) < 0)
             return rc;
         if (rc == 0 && (rc = alive(s)) < 0)
             return rc;
     }
     while (!s->done) /* the last picture may come before DONE */
-        if ((rc = submit_next(s, SUBMIT_LOOK_MS, &m)) < 0)
+        if ((rc = submit_next(s, &m)) < 0)
             return rc;
     return submit_deliver_stats(s);
 }

@@ -21,7 +21,7 @@ ask(struct submit *s, struct msg *m, const struct msg_answer **answer)
     s->fetching = true; /* so that a refusal does not end the job */
     rc = link_send(s->link, m, s->err);
     do
-        rc = rc < 0 ? rc : submit_next(s, SUBMIT_LOOK_MS, &got);
+        rc = rc < 0 ? rc : submit_next(s, &got);
     while (rc == 0 || (rc == 1 && got->request != s->request && !s->done));
     s->fetching = false;
     if (rc == 1 && got->request == s->request && got->type == MSG_ANSWER)

@@ -17,9 +17,6 @@
 #include "link/roll.h"
 #include "link/submit.h"
 
-/* Longest wait for a message before other checks. */
-enum { SUBMIT_LOOK_MS = 500 };
-
 /* What the coordinator has of the job, as far as we know.  A later connection
  * does not set this back.
  *
@@ -68,10 +65,10 @@ uint64_t submit_now_ms(const struct submit *s);
  * means something to the coordinator, and the caller is told. */
 void submit_reach(struct submit *s, enum stage to);
 
-/* Wait at most ms for the next message.  Returns 1 and *m, which was noted; 0;
- * or an error.  An interrupt is an error unless it is the first and the job is
- * known, for then the caller has to cancel. */
-int submit_next(struct submit *s, int ms, const struct msg **m);
+/* Wait for the next message, for half a second at most.  Returns 1 and *m,
+ * which was noted; 0; or an error.  An interrupt is an error unless it is the
+ * first and the job is known, for then the caller has to cancel. */
+int submit_next(struct submit *s, const struct msg **m);
 
 /* Wait for a message of that type. */
 int submit_await(struct submit *s, uint16_t type, const struct msg **m);

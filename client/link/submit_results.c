@@ -25,7 +25,7 @@ fetch(struct submit *s, uint32_t frame, enum msg_what what,
     rc = fetch_start(s->link, s->job->spec->job, frame, what, ++s->request,
                      s->err);
     while (rc == 0) {
-        rc = submit_next(s, SUBMIT_LOOK_MS, &m);
+        rc = submit_next(s, &m);
         if (rc == 1)
             rc = m->request == s->request ? fetch_take(f, m, s->err) : 0;
     }

@@ -7,7 +7,10 @@
 #include <string.h>
 #include <sysexits.h>
 
-enum { CANCEL_MS = 5000 }; /* longest wait for a job to be cancelled */
+enum {
+    LOOK_MS = 500,   /* longest wait for a message before other checks */
+    CANCEL_MS = 5000 /* longest wait for a job to be cancelled */
+};
 
 uint64_t
 submit_now_ms(const struct submit *s)
@@ -87,13 +90,13 @@ take(struct submit *s, const struct msg *m)
 }
 
 int
-submit_next(struct submit *s, int ms, const struct msg **m)
+submit_next(struct submit *s, const struct msg **m)
 {
     int rc;
 
     if (*s->where.wake > (s->stage >= STAGE_KNOWN ? 1 : 0))
         return submit_interrupted(s);
-    rc = link_recv(s->link, ms, m, s->err);
+    rc = link_recv(s->link, LOOK_MS, m, s->err);
     if (rc == 1) {
         int taken = take(s, *m);
 
@@ -121,7 +124,7 @@ submit_cancel(struct submit *s)
     m.cancel.job = s->job->spec->job;
     rc = link_send(s->link, &m, s->err);
     while (rc >= 0 && submit_now_ms(s) < until) {
-        rc = submit_next(s, SUBMIT_LOOK_MS, &answer);
+        rc = submit_next(s, &answer);
         if (rc == 1 && answer->request == s->request &&
             (answer->type == MSG_ANSWER || answer->type == MSG_FAILED)) {
             s->over = true;
@@ -144,7 +147,7 @@ submit_await(struct submit *s, uint16_t type, const struct msg **m)
         /* the job waits for room, so the first interrupt cancels it here */
         if (*s->where.wake == 1 && s->stage == STAGE_KNOWN)
             return submit_cancel(s);
-        rc = submit_next(s, SUBMIT_LOOK_MS, m);
+        rc = submit_next(s, m);
     } while (rc == 0 || (rc == 1 && (*m)->type != type));
     return rc < 0 ? rc : 0;
 }

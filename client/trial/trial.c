@@ -88,7 +88,7 @@ stand_init(struct stand *s, const struct trial_scene *scene,
     if (!s->job)
         return err->code;
     if (scene->points)
-        rad_frame_of_points(&s->frame, s->job, scene->points, 0);
+        rad_frame_of_points(&s->frame, s->job, scene->points);
     else
         rc = rad_frame_init(&s->frame, s->job, scene->view, 0, false, err);
     if (rc == 0 && (rc = rad_ctx_init(&s->ctx, s->job, err)) < 0)

@@ -171,7 +171,7 @@ load_points(struct render *r, const struct rad_bundle *bundle,
     r->frames = calloc(2, sizeof *r->frames);
     if (!r->frames)
         return rad_fail_memory(err);
-    rad_frame_of_points(&r->frames[0], r->job, &r->points, 0);
+    rad_frame_of_points(&r->frames[0], r->job, &r->points);
     r->nframes = 1;
     return 0;
 }

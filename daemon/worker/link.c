@@ -301,17 +301,16 @@ link_message(struct worker *w, uint64_t conn, const struct msg *m)
     return p || k;
 }
 
-bool
+void
 link_written(struct worker *w, uint64_t conn, size_t n)
 {
     struct wjob *job;
     struct wpeer *p = find_peer(w, conn, &job);
 
     if (!p)
-        return false;
+        return;
     lossy_written(&p->queue, n);
     peer_pump(w, conn, &p->queue);
-    return true;
 }
 
 void

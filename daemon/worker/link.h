@@ -18,7 +18,7 @@ void link_accepted(struct worker *w, uint64_t conn);
 bool link_opened(struct worker *w, uint64_t conn);
 bool link_closed(struct worker *w, uint64_t conn, const char *why);
 bool link_message(struct worker *w, uint64_t conn, const struct msg *m);
-bool link_written(struct worker *w, uint64_t conn, size_t n);
+void link_written(struct worker *w, uint64_t conn, size_t n);
 /* Send the peers records that the job's own child made. */
 void link_spread(struct worker *w, struct wjob *job,
                  const struct msg_ambient *m);

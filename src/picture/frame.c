@@ -97,7 +97,7 @@ rad_frame_move(struct rad_frame *f, const struct rad_view *before,
 
 void
 rad_frame_of_points(struct rad_frame *f, const struct rad_job *job,
-                    const struct rad_points *points, uint32_t number)
+                    const struct rad_points *points)
 {
     memset(f, 0, sizeof *f);
     f->job = job;
@@ -105,8 +105,7 @@ rad_frame_of_points(struct rad_frame *f, const struct rad_job *job,
     f->width = points->width;
     f->height = points->height;
     f->pixaspect = 1;
-    f->number = number;
-    f->key = rad_key_frame(job->params.seed, number);
+    f->key = rad_key_frame(job->params.seed, f->number);
     f->depth = true;
     stamp(f);
 }

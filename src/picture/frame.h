@@ -50,7 +50,7 @@ void rad_frame_release(struct rad_frame *f);
 /* Set *f up from sensor points, which must outlive *f.  A pixel has the
  * radiance and distance that rtrace gives for its point. */
 void rad_frame_of_points(struct rad_frame *f, const struct rad_job *job,
-                         const struct rad_points *points, uint32_t number);
+                         const struct rad_points *points);
 
 /* Set up the sampler of a window, which for strict partitions is the whole
  * frame; trace and arg are left alone. */

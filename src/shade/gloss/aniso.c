@@ -110,11 +110,10 @@ take_along(double along[3], const struct rad_expr *e, const struct rad_ray *r,
 }
 
 void
-rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e,
                 const struct rad_ray *r, double along[3])
 {
-    take_along(along, e, r,
-               rad_expr_values_all(ctx, e, r, first, 3, false, along));
+    take_along(along, e, r, rad_expr_values_all(ctx, e, r, 0, 3, false, along));
 }
 
 void
@@ -133,7 +132,7 @@ orient(struct aniso_hit *hit)
     const struct aniso *m = hit->m;
     double along[3];
 
-    rad_aniso_along(g->ctx, &m->expr, 0, g->r, along);
+    rad_aniso_along(g->ctx, &m->expr, g->r, along);
     g->au = m->au;
     g->av = m->av;
     if (!rad_aniso_frame(g->u, g->v, g->norm, along))

@@ -22,12 +22,12 @@ bool rad_aniso_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 bool rad_aniso_frame(double u[3], double v[3], const double norm[3],
                      const double along[3]);
 
-/* Set `along` to the direction that expressions first .. first + 2 give at r's
+/* Set `along` to the direction that the first three expressions give at r's
  * hit, in world coordinates; zero if they have no value. */
-void rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+void rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e,
                      const struct rad_ray *r, double along[3]);
 
-/* The same after rad_expr_begin(). */
+/* The same of expressions first .. first + 2, after rad_expr_begin(). */
 void rad_aniso_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                    const struct rad_ray *r, double along[3]);
 

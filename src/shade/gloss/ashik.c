@@ -150,7 +150,7 @@ orient(struct ashik_hit *hit, const struct ashik *m)
 {
     double along[3];
 
-    rad_aniso_along(hit->ctx, &m->expr, 0, hit->r, along);
+    rad_aniso_along(hit->ctx, &m->expr, hit->r, along);
     hit->nu = m->nu;
     hit->nv = m->nv;
     if (!rad_aniso_frame(hit->u, hit->v, hit->norm, along))

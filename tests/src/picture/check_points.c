@@ -293,7 +293,7 @@ stage_open(struct stage *at, const double (*p)[6], uint32_t n, uint64_t first,
                                      rad_points_bytes(2, (int)(n + 1) / 2),
                                      &err),
                      0);
-    rad_frame_of_points(&at->frame, at->w.job, &at->points, 0);
+    rad_frame_of_points(&at->frame, at->w.job, &at->points);
 }
 
 TEST(pixel_is_radiance_along_its_ray)
