@@ -5,7 +5,6 @@
 #include "files/blobs.h"
 
 #include "ground/disk.h"
-#include "ground/service.h"
 
 #include <dirent.h>
 #include <errno.h>

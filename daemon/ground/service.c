@@ -2,7 +2,6 @@
 #include "config.h"
 
 #include "ground/service.h"
-#include "net/log.h"
 
 #include "base/output.h"
 

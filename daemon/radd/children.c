@@ -5,7 +5,6 @@
 
 #include "net/log.h"
 #include "child/render.h"
-#include "ground/service.h"
 
 #include <signal.h>
 #include <stdio.h>

@@ -4,7 +4,6 @@
 #include "shell/shell.h"
 
 #include "net/log.h"
-#include "ground/service.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -15,6 +15,7 @@
 #include "base/output.h"
 #include "store/store_impl.h"
 
+#include "journal/statedir.h"
 #include "net/log.h"
 #include "ground/service.h"
 

@@ -21,7 +21,6 @@
 #include "folder/folder.h"
 #include "journal/journal.h"
 #include "files/sound.h"
-#include "journal/statedir.h"
 #include "ground/task.h"
 
 #include <stdatomic.h>

@@ -13,6 +13,7 @@
 
 #include "base/text.h"
 #include "jobs/job.h"
+#include "journal/statedir.h"
 #include "net/log.h"
 #include "folder/rowcheck.h"
 #include "files/views.h"

@@ -4,7 +4,6 @@
 #include "geom/meshed.h"
 
 #include "base/vec.h"
-#include "geom/kernel.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -11,7 +11,6 @@
 #include "config.h"
 
 #include "light/direct/emitter.h"
-#include "base/vec.h"
 #include "light/direct/source.h"
 
 int

@@ -16,7 +16,6 @@
 
 #include "light/hemisphere/hemisphere.h"
 #include "light/hemisphere/guide.h"
-#include "arith/angle.h"
 #include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"

@@ -12,6 +12,8 @@
 
 #include "scene/file/parse.h"
 
+#include "scene/file/lex.h"
+
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -10,8 +10,7 @@
 #ifndef RAD_SCENE_PARSE_H
 #define RAD_SCENE_PARSE_H
 
-#include "base/error.h"
-#include "scene/file/lex.h"
+#include "base/files.h"
 #include "scene/scene.h"
 
 #define RAD_MAX_NESTING 32
