@@ -4,6 +4,7 @@
 #include "job/costs.h"
 
 #include "base/files.h"
+#include "base/number.h"
 #include "picture/quincunx.h"
 
 #include <jansson.h>
@@ -205,14 +206,6 @@ read_lines(const json_t *list, double *line, size_t n, struct rad_error *err)
     return 0;
 }
 
-static int
-compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 /* The median of the lines after line i; 0: there are none. */
 static double
 lines_after(const double *line, size_t n, size_t i)
@@ -224,7 +217,7 @@ lines_after(const double *line, size_t n, size_t i)
         v[k] = line[i + 1 + k];
         k++;
     }
-    qsort(v, k, sizeof *v, compare_doubles);
+    qsort(v, k, sizeof *v, rad_compare_reals);
     return k > 0 ? v[k / 2] : 0;
 }
 

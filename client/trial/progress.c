@@ -3,6 +3,8 @@
 
 #include "trial/progress.h"
 
+#include "base/number.h"
+
 #include <limits.h>
 #include <math.h>
 #include <string.h>
@@ -48,24 +50,6 @@ too_soon(struct progress *p, double now_s)
 }
 
 static void
-format_rate(char *buf, size_t size, double rate)
-{
-    static const char *const unit[] = { "", "k ", "M ", "G " };
-    int k = 0;
-
-    while (rate >= 999.5 && k < 3) {
-        rate /= 1000;
-        k++;
-    }
-    /* three digits, whatever the unit */
-    snprintf(buf, size, "  %.*f %srays/s",
-             rate >= 99.95 || k == 0 ? 0
-             : rate >= 9.995         ? 1
-                                     : 2,
-             rate, unit[k]);
-}
-
-static void
 format_left(char *buf, size_t size, double s)
 {
     long t;
@@ -84,12 +68,15 @@ void
 progress_format(char *buf, size_t size, const struct progress_report *r,
                 double rays_per_s, double left_s)
 {
-    char rate[40] = "", left[40] = "", workers[40] = "  no worker";
+    char rate[RAD_NUMBER_TEXT + 10] = "", left[40] = "";
+    char workers[40] = "  no worker", brief[RAD_NUMBER_TEXT];
     double done = r->done < 0 ? 0 : r->done > 1 ? 1 : r->done;
     bool over = done >= 1, working = r->workers > 0;
 
-    if (r->rays > 0 && (working || over))
-        format_rate(rate, sizeof rate, rays_per_s);
+    if (r->rays > 0 && (working || over)) {
+        rad_format_brief(brief, rays_per_s);
+        snprintf(rate, sizeof rate, "  %s rays/s", brief);
+    }
     if (working && !over)
         format_left(left, sizeof left, left_s);
     if (over)

@@ -17,6 +17,7 @@
 
 #include "trial/surroundings.h"
 
+#include "base/number.h"
 #include "base/vec.h"
 #include "geom/geom.h"
 #include "picture/view.h"
@@ -177,20 +178,12 @@ look_along(struct look *l, const struct rad_span *span)
     note(l, hit.p, hit.t, space_before(l, hit.p, hit.n, ABOVE * hit.err));
 }
 
-static int
-by_size(const void *a, const void *b)
-{
-    const double *x = a, *y = b;
-
-    return (*x > *y) - (*x < *y);
-}
-
 /* The value that this part of n values does not exceed; INFINITY: there are
  * none. */
 static double
 quantile(double *x, int n, double part)
 {
-    qsort(x, (size_t)n, sizeof *x, by_size);
+    qsort(x, (size_t)n, sizeof *x, rad_compare_reals);
     return n > 0 ? x[(int)((n - 1) * part)] : INFINITY;
 }
 

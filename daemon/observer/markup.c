@@ -3,6 +3,7 @@
 
 #include "observer/markup.h"
 
+#include "base/number.h"
 #include "base/text.h"
 
 #include <math.h>
@@ -139,20 +140,10 @@ markup_json(struct markup *m, const json_t *value)
 void
 markup_count(struct markup *m, double v)
 {
-    static const char *const unit[] = { "", " k", " M", " G", " T", " P" };
-    int i = 0;
+    char text[RAD_NUMBER_TEXT];
 
-    if (!(v >= 0) || v > 1e18)
-        v = 0;
-    while (v >= 999.5 && i < 5) {
-        v /= 1000;
-        i++;
-    }
-    markup_print(m, "%.*f%s",
-                 i == 0 || v >= 99.95 ? 0
-                 : v >= 9.995         ? 1
-                                      : 2,
-                 v, unit[i]);
+    rad_format_brief(text, v >= 0 && v <= 1e18 ? v : 0);
+    markup_raw(m, text);
 }
 
 void

@@ -209,3 +209,29 @@ rad_format_float(char buf[RAD_NUMBER_TEXT], float value)
             break;
     }
 }
+
+void
+rad_format_brief(char buf[RAD_NUMBER_TEXT], double value)
+{
+    static const char *const unit[] = { "", " k", " M", " G", " T", " P" };
+    int i = 0;
+
+    while (value >= 999.5 && i < 5) {
+        value /= 1000;
+        i++;
+    }
+    /* three digits, whatever the unit */
+    snprintf(buf, RAD_NUMBER_TEXT, "%.*f%s",
+             i == 0 || value >= 99.95 ? 0
+             : value >= 9.995         ? 1
+                                      : 2,
+             value, unit[i]);
+}
+
+int
+rad_compare_reals(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+
+    return (*x > *y) - (*x < *y);
+}

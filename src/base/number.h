@@ -33,4 +33,10 @@ bool rad_parse_u64(const char *s, uint64_t *value);
 void rad_format_real(char buf[RAD_NUMBER_TEXT], double value);
 void rad_format_float(char buf[RAD_NUMBER_TEXT], float value);
 
+/* Write a number of [0, 1e18] for people: "7", "999", "1.25 k", "31.4 M". */
+void rad_format_brief(char buf[RAD_NUMBER_TEXT], double value);
+
+/* Order doubles, for qsort(). */
+int rad_compare_reals(const void *a, const void *b);
+
 #endif

@@ -10,6 +10,7 @@
 
 #include "light/indirect/ambient_impl.h"
 #include "arith/elementary.h"
+#include "base/number.h"
 #include "base/vec.h"
 
 #include <assert.h>
@@ -211,14 +212,6 @@ zone_in(const void *arg, const struct rad_ambitem *item)
     return zone_of(arg, item->radius, item->level);
 }
 
-static int
-by_value(const void *p, const void *q)
-{
-    const double *a = p, *b = q;
-
-    return (*a > *b) - (*a < *b);
-}
-
 /* The median coordinate of some MEDIAN_OF records. */
 #define MEDIAN_OF 1024
 static double
@@ -229,7 +222,7 @@ median(const struct rad_ambread *read, int axis)
 
     for (size_t i = 0; i < read->n; i += stride)
         at[n++] = read->item[i].p[axis];
-    qsort(at, n, sizeof *at, by_value);
+    qsort(at, n, sizeof *at, rad_compare_reals);
     return at[n / 2];
 }
 
