@@ -69,6 +69,7 @@ struct task {
                                     * alone; NULL: hold it as others.  run()
                                     * may change it */
     bool told;                     /* [loop] while held: waits() was called */
+    void *owner;                   /* for run(), done() and waits() */
     int code;
     struct rad_error err;
     struct task *next;

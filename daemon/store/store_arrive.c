@@ -45,7 +45,6 @@ bytes_to_come(const struct store *s)
 
 struct chunk_task {
     struct task task;
-    struct store *store;
     uint64_t conn, offset, total;
     uint8_t hash[MSG_HASH];
     bool whole; /* the file has its name */
@@ -179,7 +178,7 @@ fail_if_large(const struct store *s, const struct arriving *a, int rc,
 static int
 keep_file(struct chunk_task *c)
 {
-    struct store *s = c->store;
+    struct store *s = store_of(&c->task);
     char path[BLOBS_PATH_MAX];
     int rc;
 
@@ -195,31 +194,32 @@ static int
 chunk_run(struct task *t)
 {
     struct chunk_task *c = (struct chunk_task *)t;
-    struct arriving **at = find_arriving(c->store, c->conn, c->hash);
+    struct store *s = store_of(t);
+    struct arriving **at = find_arriving(s, c->conn, c->hash);
     int rc;
 
     if (c->whole) /* the task runs again: it could not be settled */
         return keep_file(c);
     /* a sender that cannot read the file to its end sends an empty one */
     if (c->offset == 0 && c->total == 0 && *at && (*at)->part.total > 0)
-        end_arriving(c->store, at, false);
-    if (c->offset == 0 && !*find_arriving(c->store, c->conn, c->hash)) {
-        rc = begin_arriving(c->store, c, &t->err);
+        end_arriving(s, at, false);
+    if (c->offset == 0 && !*find_arriving(s, c->conn, c->hash)) {
+        rc = begin_arriving(s, c, &t->err);
         if (rc < 0)
             return rc;
     }
-    at = find_arriving(c->store, c->conn, c->hash);
+    at = find_arriving(s, c->conn, c->hash);
     if (!*at)
         return rad_fail(&t->err, RAD_EPROTO, "a file that did not begin at 0");
     if ((*at)->part.total != c->total)
         rc = rad_fail(&t->err, RAD_EPROTO, "a file that changed its length");
     else
         rc = fail_if_large(
-            c->store, *at,
+            s, *at,
             blobs_part_write(&(*at)->part, c->offset, c->data, c->len, &t->err),
             &t->err);
-    if (rc != 0 && !is_tried_again(c->store, rc))
-        end_arriving(c->store, at, rc > 0);
+    if (rc != 0 && !is_tried_again(s, rc))
+        end_arriving(s, at, rc > 0);
     return rc > 0 ? keep_file(c) : rc;
 }
 
@@ -236,7 +236,7 @@ static void
 chunk_done(struct task *t)
 {
     struct chunk_task *c = (struct chunk_task *)t;
-    struct store *s = c->store;
+    struct store *s = store_of(t);
 
     s->backlog -= c->len;
     if (t->code > 0)
@@ -257,7 +257,6 @@ store_put_chunk(struct store *s, uint64_t conn, const struct msg_chunk *chunk)
     if (!c)
         return;
     c->task.writes = true;
-    c->store = s;
     c->conn = conn;
     c->offset = chunk->offset;
     c->total = chunk->total;
@@ -278,7 +277,6 @@ store_release_arriving(struct store *s)
 
 struct drop_task {
     struct task task;
-    struct store *store;
     uint64_t conn;
 };
 
@@ -286,10 +284,11 @@ static int
 drop_run(struct task *t)
 {
     struct drop_task *d = (struct drop_task *)t;
+    struct store *s = store_of(t);
     struct arriving **at;
 
-    while (*(at = find_arriving(d->store, d->conn, NULL)))
-        end_arriving(d->store, at, false);
+    while (*(at = find_arriving(s, d->conn, NULL)))
+        end_arriving(s, at, false);
     return 0;
 }
 
@@ -303,7 +302,6 @@ store_drop_conn(struct store *s, uint64_t conn)
         return;
     d->task.writes = true; /* so that it runs after the connection's chunks,
                             * which may be held */
-    d->store = s;
     d->conn = conn;
     task_push(&s->queue, &d->task);
 }

@@ -21,7 +21,6 @@
 
 struct look_task {
     struct task task;
-    struct store *store;
     struct action_look look;
     int8_t *found; /* for each file the result of sounds_read(); 2: the loop
                     * knew before that it is sound */
@@ -34,7 +33,7 @@ static void
 use_files(struct look_task *l)
 {
     struct rad_error err = { 0 };
-    int rc = cache_use(l->store->cache, l->look.job, &l->look.files,
+    int rc = cache_use(store_of(&l->task)->cache, l->look.job, &l->look.files,
                        l->look.bytes, &err);
 
     l->look.status = rc < 0 ? rad_exit_status(rc) : 0;
@@ -45,14 +44,15 @@ static int
 look_run(struct task *t)
 {
     struct look_task *l = (struct look_task *)t;
+    struct store *s = store_of(t);
     char path[BLOBS_PATH_MAX];
 
-    if (l->store->cache)
+    if (s->cache)
         use_files(l);
 
     for (uint32_t i = 0; i < l->look.nlook; i++)
         if (l->found[i] != 2) {
-            path_of(l->store, l->hash + (size_t)i * MSG_HASH, path);
+            path_of(s, l->hash + (size_t)i * MSG_HASH, path);
             l->found[i] =
                 (int8_t)sounds_read(l->hash + (size_t)i * MSG_HASH, path);
         }
@@ -70,7 +70,7 @@ static void
 look_done(struct task *t)
 {
     struct look_task *l = (struct look_task *)t;
-    struct store *s = l->store;
+    struct store *s = store_of(t);
     char path[BLOBS_PATH_MAX];
 
     for (uint32_t i = 0; i < l->look.nlook; i++) {
@@ -102,7 +102,6 @@ new_look(struct store *s, const struct action_look *from)
         s->handler->broken(s->arg, EX_OSERR, "out of memory");
         return NULL;
     }
-    l->store = s;
     l->look = *from;
     if (n > 0)
         memcpy(l->hash, from->files.hash, bytes);
@@ -141,7 +140,6 @@ store_look(struct store *s, const struct action_look *from)
 
 struct cache_task {
     struct task task;
-    struct store *store;
     uint64_t limit;
     uint8_t job[MSG_JOB];
 };
@@ -151,7 +149,7 @@ limit_run(struct task *t)
 {
     struct cache_task *w = (struct cache_task *)t;
 
-    cache_set_limit(w->store->cache, w->limit);
+    cache_set_limit(store_of(t)->cache, w->limit);
     return 0;
 }
 
@@ -167,7 +165,6 @@ store_limit(struct store *s, uint64_t bytes, struct rad_error *err)
     w = store_new_task(s, sizeof *w, limit_run, store_free_task);
     if (!w)
         return 0; /* out of memory: the daemon ends */
-    w->store = s;
     w->limit = bytes;
     task_push(&s->queue, &w->task);
     return 0;
@@ -178,7 +175,7 @@ leave_run(struct task *t)
 {
     struct cache_task *w = (struct cache_task *)t;
 
-    cache_leave(w->store->cache, w->job);
+    cache_leave(store_of(t)->cache, w->job);
     return 0;
 }
 
@@ -191,7 +188,6 @@ store_leave(struct store *s, const uint8_t job[MSG_JOB])
 
     if (!w)
         return;
-    w->store = s;
     memcpy(w->job, job, MSG_JOB);
     task_push(&s->queue, &w->task);
 }
@@ -200,7 +196,6 @@ store_leave(struct store *s, const uint8_t job[MSG_JOB])
 
 struct sweep_task {
     struct task task;
-    struct store *store;
     uint8_t *hashes;
     size_t n;
     long age_s;
@@ -213,7 +208,7 @@ sweep_run(struct task *t)
     struct sweep_task *w = (struct sweep_task *)t;
 
     w->n = rad_sha_unique(w->hashes, w->n);
-    w->removed = blobs_sweep(&w->store->blobs, w->hashes, w->n, w->age_s);
+    w->removed = blobs_sweep(&store_of(t)->blobs, w->hashes, w->n, w->age_s);
     return 0;
 }
 
@@ -237,7 +232,6 @@ store_sweep(struct store *s, uint8_t *hashes, size_t n, long age_s)
         free(hashes);
         return;
     }
-    w->store = s;
     w->hashes = hashes;
     w->n = n;
     w->age_s = age_s;

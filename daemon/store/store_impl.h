@@ -87,10 +87,16 @@ path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
 
 /* --- store_task.c --- */
 
-/* Make a task of this size, zeroed but for run and done.  NULL: memory is out,
- * and the handler's broken() was called. */
+/* Make a task of this size, zeroed but for run, done and owner, the store.
+ * NULL: memory is out, and the handler's broken() was called. */
 void *store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
                      void (*done)(struct task *t));
+static inline struct store *
+store_of(const struct task *t)
+{
+    return t->owner;
+}
+
 /* done() of tasks that the handler does not hear of: free the task. */
 void store_free_task(struct task *t);
 /* Push a task that writes and whose effect must last: it is held while the disk
@@ -118,7 +124,6 @@ void store_make_room(struct store *s);
 /* A task about a job; each kind of task uses some of the fields behind id. */
 struct job_task {
     struct task task;
-    struct store *store;
     uint8_t id[MSG_JOB];
     uint64_t sequence; /* of the action that the task is for */
     uint32_t frame;

@@ -37,7 +37,6 @@ store_new_job_task(struct store *s, const uint8_t *id,
 
     if (!j)
         return NULL;
-    j->store = s;
     memcpy(j->id, id, MSG_JOB);
     return j;
 }
@@ -45,7 +44,6 @@ store_new_job_task(struct store *s, const uint8_t *id,
 /* A task that keeps a job, or how the job ended; `saved` points at copies. */
 struct saved_task {
     struct task task;
-    struct store *store;
     uint8_t id[MSG_JOB];
     struct saved_job saved;
     struct wire_out bytes; /* the job's SUBMIT, packed */
@@ -62,7 +60,6 @@ struct saved_task {
 /* A task that forgets a job, step by step. */
 struct forget_task {
     struct task task;
-    struct store *store;
     struct saved_gone gone;
     struct forget_task *next; /* [loop] next in store.forgetting */
 };
@@ -85,7 +82,6 @@ new_saved_task(struct store *s, const struct saved_job *from,
 
     if (!o)
         return NULL;
-    o->store = s;
     memcpy(o->id, from->spec.job, MSG_JOB);
     wire_out_init(&o->bytes, MSG_FRAME_MAX);
     if (msg_pack(&o->bytes, &m) != 0 ||
@@ -110,7 +106,7 @@ static void
 open_waits(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
-    struct store *s = o->store;
+    struct store *s = store_of(t);
 
     if (!s->ending)
         s->handler->waits(s->arg, o->id, o->saved.sequence, failure(t));
@@ -126,7 +122,7 @@ static int
 open_run(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
-    struct store *s = o->store;
+    struct store *s = store_of(t);
     struct msg_spec whole = o->saved.spec;
     struct views views = { 0 };
     int rc;
@@ -152,7 +148,7 @@ noted_run(struct task *t)
 {
     struct job_task *j = (struct job_task *)t;
 
-    folder_noted(&j->store->folder, j->id);
+    folder_noted(&store_of(t)->folder, j->id);
     return 0;
 }
 
@@ -185,7 +181,7 @@ static void
 open_done(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
-    struct store *s = o->store;
+    struct store *s = store_of(t);
     struct saved_task **at = &s->opening;
     struct job_task *noted;
 
@@ -251,7 +247,7 @@ state_run(struct task *t)
 {
     struct job_task *j = (struct job_task *)t;
 
-    return journal_put_state(j->store->journal, j->id, j->state, j->priority,
+    return journal_put_state(store_of(t)->journal, j->id, j->state, j->priority,
                              &t->err);
 }
 
@@ -275,7 +271,6 @@ store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state,
 
 struct date_task {
     struct task task;
-    struct store *store;
     uint64_t date_ms;
 };
 
@@ -284,7 +279,7 @@ date_run(struct task *t)
 {
     struct date_task *d = (struct date_task *)t;
 
-    return journal_put_date(d->store->journal, d->date_ms, &t->err);
+    return journal_put_date(store_of(t)->journal, d->date_ms, &t->err);
 }
 
 void
@@ -296,14 +291,12 @@ store_note_date(struct store *s, uint64_t date_ms)
 
     if (!d)
         return;
-    d->store = s;
     d->date_ms = date_ms;
     store_push_lasting(s, &d->task);
 }
 
 struct worker_task {
     struct task task;
-    struct store *store;
     char name[MSG_MAX_NAME + 1];
     bool drained;
 };
@@ -313,7 +306,8 @@ drained_run(struct task *t)
 {
     struct worker_task *w = (struct worker_task *)t;
 
-    return journal_put_drained(w->store->journal, w->name, w->drained, &t->err);
+    return journal_put_drained(store_of(t)->journal, w->name, w->drained,
+                               &t->err);
 }
 
 void
@@ -325,7 +319,6 @@ store_put_drained(struct store *s, const char *worker, bool drained)
 
     if (!w)
         return;
-    w->store = s;
     snprintf(w->name, sizeof w->name, "%s", worker);
     w->drained = drained;
     store_push_lasting(s, &w->task);
@@ -337,10 +330,11 @@ static int
 rest_run(struct task *t)
 {
     struct job_task *j = (struct job_task *)t;
+    struct store *s = store_of(t);
 
-    folder_rest(&j->store->folder, j->id);
-    j->bytes = folder_bytes(&j->store->folder, j->id);
-    j->cache_bytes = folder_cache_bytes(&j->store->folder, j->id);
+    folder_rest(&s->folder, j->id);
+    j->bytes = folder_bytes(&s->folder, j->id);
+    j->cache_bytes = folder_cache_bytes(&s->folder, j->id);
     return 0;
 }
 
@@ -348,7 +342,7 @@ static void
 rest_done(struct task *t)
 {
     struct job_task *j = (struct job_task *)t;
-    struct store *s = j->store;
+    struct store *s = store_of(t);
 
     s->handler->filed(s->arg, j->id, j->sequence, j->bytes, j->cache_bytes);
     free(j);
@@ -358,7 +352,7 @@ static int
 end_run(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
-    struct store *s = o->store;
+    struct store *s = store_of(t);
     int rc;
 
     if (!folder_is_there(&s->folder, o->id))
@@ -376,7 +370,7 @@ static void
 end_done(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
-    struct store *s = o->store;
+    struct store *s = store_of(t);
     struct saved_task **at = &s->closing;
     struct job_task *j;
 
@@ -398,7 +392,7 @@ give_up_run(struct task *t)
 {
     struct job_task *j = (struct job_task *)t;
 
-    folder_give_up(&j->store->folder, j->id);
+    folder_give_up(&store_of(t)->folder, j->id);
     return 0;
 }
 
@@ -449,9 +443,10 @@ static int
 drop_cache_run(struct task *t)
 {
     struct job_task *j = (struct job_task *)t;
+    struct store *s = store_of(t);
 
-    folder_drop_cache(&j->store->folder, j->id);
-    j->bytes = folder_bytes(&j->store->folder, j->id);
+    folder_drop_cache(&s->folder, j->id);
+    j->bytes = folder_bytes(&s->folder, j->id);
     return 0;
 }
 
@@ -473,7 +468,7 @@ fetched_run(struct task *t)
 {
     struct job_task *j = (struct job_task *)t;
 
-    return journal_put_fetched(j->store->journal, j->id, j->frame, &t->err);
+    return journal_put_fetched(store_of(t)->journal, j->id, j->frame, &t->err);
 }
 
 void
@@ -496,10 +491,11 @@ static int
 forget_run(struct task *t)
 {
     struct forget_task *f = (struct forget_task *)t;
-    struct folder *folder = &f->store->folder;
+    struct store *s = store_of(t);
+    struct folder *folder = &s->folder;
     bool more = folder_forget(folder, f->gone.job);
 
-    if (!more && !f->store->journal)
+    if (!more && !s->journal)
         folder_forgotten(folder, f->gone.job);
     return more;
 }
@@ -509,7 +505,7 @@ strike_run(struct task *t)
 {
     struct forget_task *f = (struct forget_task *)t;
 
-    return journal_forget(f->store->journal, &f->gone, &t->err);
+    return journal_forget(store_of(t)->journal, &f->gone, &t->err);
 }
 
 static int
@@ -517,7 +513,7 @@ forgotten_run(struct task *t)
 {
     struct forget_task *f = (struct forget_task *)t;
 
-    folder_forgotten(&f->store->folder, f->gone.job);
+    folder_forgotten(&store_of(t)->folder, f->gone.job);
     return 0;
 }
 
@@ -527,7 +523,7 @@ static void
 forgotten_done(struct task *t)
 {
     struct forget_task *f = (struct forget_task *)t;
-    struct store *s = f->store;
+    struct store *s = store_of(t);
     struct forget_task **at = &s->forgetting;
 
     while (*at != f)
@@ -542,8 +538,6 @@ forgotten_done(struct task *t)
 static void
 strike_done(struct task *t)
 {
-    struct forget_task *f = (struct forget_task *)t;
-
     if (t->code < 0) {
         forgotten_done(t);
         return;
@@ -551,14 +545,13 @@ strike_done(struct task *t)
     t->run = forgotten_run;
     t->done = forgotten_done;
     t->writes = t->lasts = false;
-    task_push(&f->store->queue, t);
+    task_push(&store_of(t)->queue, t);
 }
 
 static void
 forget_done(struct task *t)
 {
-    struct forget_task *f = (struct forget_task *)t;
-    struct store *s = f->store;
+    struct store *s = store_of(t);
 
     if (t->code > 0) {
         task_push(&s->queue, t);
@@ -579,7 +572,6 @@ store_forget_job(struct store *s, const struct saved_gone *gone)
 
     if (!f)
         return;
-    f->store = s;
     f->gone = *gone;
     f->next = s->forgetting;
     s->forgetting = f;

@@ -27,7 +27,6 @@
 
 struct read_task {
     struct task task;
-    struct store *store;
     struct store_reading *reading;
     void *buf;
     size_t cap, got;
@@ -39,13 +38,13 @@ static int
 source_path(struct read_task *r, char path[DISK_PATH_MAX])
 {
     const struct store_source *from = &r->reading->from;
+    struct store *s = store_of(&r->task);
     char part[BLOBS_PATH_MAX];
 
     if (!from->file)
-        return folder_find(&r->store->folder, from->job, from->frame,
-                           from->what, r->reading->offset == 0, path,
-                           &r->task.err);
-    path_of(r->store, from->hash, part);
+        return folder_find(&s->folder, from->job, from->frame, from->what,
+                           r->reading->offset == 0, path, &r->task.err);
+    path_of(s, from->hash, part);
     snprintf(path, DISK_PATH_MAX, "%s", part);
     return 0;
 }
@@ -62,15 +61,16 @@ static int
 begin(struct read_task *r)
 {
     struct store_reading *g = r->reading;
+    struct journal *journal = store_of(&r->task)->journal;
     struct rad_error *err = &r->task.err;
     int rc;
 
-    if (g->from.file || is_preview(g) || !r->store->journal)
+    if (g->from.file || is_preview(g) || !journal)
         return 0; /* files of scenes have no mark: workers compare their hash */
     store_reading_release(g); /* the task may run again, after it failed for
                                * want of memory or descriptors */
-    rc = journal_find_mark(r->store->journal, g->from.job, g->from.frame,
-                           g->from.what, &g->mark, err);
+    rc = journal_find_mark(journal, g->from.job, g->from.frame, g->from.what,
+                           &g->mark, err);
     if (rc == 0 && g->mark.known)
         rc = rad_sha_init(&g->sha, err);
     g->hashing = rc == 0 && g->mark.known;
@@ -131,7 +131,7 @@ static int
 open_preview(struct read_task *r, const char *path)
 {
     struct store_reading *g = r->reading;
-    struct store *s = r->store;
+    struct store *s = store_of(&r->task);
     int rc;
 
     if (atomic_fetch_add(&s->previews, 1) < MOST_PREVIEWS)
@@ -209,7 +209,6 @@ store_read(struct store *s, struct store_reading *reading, void *buf,
 
     if (!r)
         return;
-    r->store = s;
     r->reading = reading;
     r->buf = buf;
     r->cap = cap;

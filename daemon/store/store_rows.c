@@ -23,7 +23,6 @@
 
 struct unit_task {
     struct task task;
-    struct store *store;
     uint8_t id[MSG_JOB];
     struct saved_unit unit;
     char worker[MSG_MAX_NAME + 1];
@@ -34,7 +33,7 @@ unit_run(struct task *t)
 {
     struct unit_task *u = (struct unit_task *)t;
 
-    return journal_put_unit(u->store->journal, u->id, &u->unit, &t->err);
+    return journal_put_unit(store_of(t)->journal, u->id, &u->unit, &t->err);
 }
 
 void
@@ -47,7 +46,6 @@ store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
 
     if (!u)
         return;
-    u->store = s;
     memcpy(u->id, job, MSG_JOB);
     u->unit = *unit;
     snprintf(u->worker, sizeof u->worker, "%s", unit->worker);
@@ -57,7 +55,6 @@ store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
 
 struct pass_task {
     struct task task;
-    struct store *store;
     uint8_t id[MSG_JOB];
     uint32_t pass;
     struct saved_pass saved;
@@ -69,7 +66,7 @@ pass_run(struct task *t)
 {
     struct pass_task *p = (struct pass_task *)t;
 
-    folder_put_pass(&p->store->folder, p->id, p->pass, &p->saved);
+    folder_put_pass(&store_of(t)->folder, p->id, p->pass, &p->saved);
     return 0;
 }
 
@@ -78,7 +75,7 @@ pass_done(struct task *t)
 {
     struct pass_task *p = (struct pass_task *)t;
 
-    p->store->backlog -= p->saved.len;
+    store_of(t)->backlog -= p->saved.len;
     free(p);
 }
 
@@ -93,7 +90,6 @@ store_put_pass(struct store *s, const uint8_t job[MSG_JOB], uint32_t pass,
 
     if (!p)
         return;
-    p->store = s;
     memcpy(p->id, job, MSG_JOB);
     p->pass = pass;
     p->saved = *saved;
@@ -106,7 +102,6 @@ store_put_pass(struct store *s, const uint8_t job[MSG_JOB], uint32_t pass,
 
 struct colours_task {
     struct task task;
-    struct store *store;
     uint8_t id[MSG_JOB];
     struct action_colours colours;
     uint8_t rgbe[];
@@ -117,7 +112,7 @@ colours_run(struct task *t)
 {
     struct colours_task *p = (struct colours_task *)t;
 
-    folder_put_colours(&p->store->folder, p->id, &p->colours);
+    folder_put_colours(&store_of(t)->folder, p->id, &p->colours);
     return 0;
 }
 
@@ -131,7 +126,6 @@ store_put_colours(struct store *s, const uint8_t job[MSG_JOB],
 
     if (!p)
         return;
-    p->store = s;
     memcpy(p->id, job, MSG_JOB);
     p->colours = *colours;
     p->colours.rgbe = p->rgbe;
@@ -141,7 +135,6 @@ store_put_colours(struct store *s, const uint8_t job[MSG_JOB],
 
 struct cache_task {
     struct task task;
-    struct store *store;
     uint8_t id[MSG_JOB];
     uint64_t sequence;
     uint8_t *records;
@@ -153,7 +146,8 @@ cache_run(struct task *t)
 {
     struct cache_task *k = (struct cache_task *)t;
 
-    k->records = folder_read_first(&k->store->folder, k->id, &k->len, &t->err);
+    k->records =
+        folder_read_first(&store_of(t)->folder, k->id, &k->len, &t->err);
     return k->records ? 0 : t->err.code;
 }
 
@@ -161,7 +155,7 @@ static void
 cache_done(struct task *t)
 {
     struct cache_task *k = (struct cache_task *)t;
-    struct store *s = k->store;
+    struct store *s = store_of(t);
 
     if (is_mute(s, t))
         free(k->records);
@@ -178,7 +172,6 @@ store_load_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
 
     if (!k)
         return;
-    k->store = s;
     memcpy(k->id, job, MSG_JOB);
     k->sequence = sequence;
     task_push(&s->queue, &k->task);
@@ -186,7 +179,6 @@ store_load_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
 
 struct options_task {
     struct task task;
-    struct store *store;
     uint8_t id[MSG_JOB];
     char options[];
 };
@@ -196,7 +188,7 @@ options_run(struct task *t)
 {
     struct options_task *o = (struct options_task *)t;
 
-    return folder_set_options(&o->store->folder, o->id, o->options, &t->err);
+    return folder_set_options(&store_of(t)->folder, o->id, o->options, &t->err);
 }
 
 void
@@ -209,7 +201,6 @@ store_set_options(struct store *s, const uint8_t job[MSG_JOB],
 
     if (!o)
         return;
-    o->store = s;
     memcpy(o->id, job, MSG_JOB);
     memcpy(o->options, options, n);
     task_push(&s->queue, &o->task);
@@ -217,7 +208,6 @@ store_set_options(struct store *s, const uint8_t job[MSG_JOB],
 
 struct rows_task {
     struct task task;
-    struct store *store;
     struct action_rows key;
     struct msg_counts counts;
     struct folder_pixels pixels; /* owned */
@@ -239,16 +229,18 @@ note_rows(struct rows_task *r, uint64_t sum)
                             .bottom = r->bottom,
                             .nbottom = k->nbottom };
 
-    return journal_put_rows(r->store->journal, k->job, &u, &r->task.err);
+    return journal_put_rows(store_of(&r->task)->journal, k->job, &u,
+                            &r->task.err);
 }
 
 static int
 rows_run(struct task *t)
 {
     struct rows_task *r = (struct rows_task *)t;
-    bool noted = r->store->journal;
+    struct store *s = store_of(t);
+    bool noted = s->journal;
     uint64_t sum = 0;
-    int rc = folder_put_rows(&r->store->folder, &r->key, &r->pixels,
+    int rc = folder_put_rows(&s->folder, &r->key, &r->pixels,
                              noted ? &sum : NULL, &t->err);
 
     return rc == 0 && noted ? note_rows(r, sum) : rc;
@@ -267,7 +259,7 @@ static void
 rows_done(struct task *t)
 {
     struct rows_task *r = (struct rows_task *)t;
-    struct store *s = r->store;
+    struct store *s = store_of(t);
 
     s->backlog -= r->pixels.n + ROWS_WEIGHT;
     if (!is_mute(s, t))
@@ -282,7 +274,7 @@ copy_line(struct rows_task *r, const uint8_t *line)
 {
     size_t n = 3 * (size_t)r->key.width;
 
-    if (!line || !r->store->journal)
+    if (!line || !store_of(&r->task)->journal)
         return true;
     r->pixels.line = malloc(n * sizeof *r->pixels.line);
     if (r->pixels.line)
@@ -325,7 +317,6 @@ store_put_rows(struct store *s, const struct action_rows *rows)
 
     if (!r)
         return;
-    r->store = s;
     if (!copy_rows(r, rows)) {
         free_rows(r);
         s->handler->broken(s->arg, EX_OSERR, "out of memory");
@@ -342,7 +333,7 @@ static int
 picture_run(struct task *t)
 {
     struct job_task *p = (struct job_task *)t;
-    struct store *s = p->store;
+    struct store *s = store_of(t);
     struct saved_frame f = { .written = true };
     int rc = folder_picture(&s->folder, p->id, p->frame, s->journal ? &f : NULL,
                             &t->err);
@@ -357,7 +348,7 @@ rows_gone_run(struct task *t)
 {
     struct job_task *p = (struct job_task *)t;
 
-    folder_drop_rows(&p->store->folder, p->id, p->frame);
+    folder_drop_rows(&store_of(t)->folder, p->id, p->frame);
     return 0;
 }
 
@@ -365,7 +356,7 @@ static void
 picture_done(struct task *t)
 {
     struct job_task *p = (struct job_task *)t, *gone;
-    struct store *s = p->store;
+    struct store *s = store_of(t);
 
     s->backlog -= PICTURE_WEIGHT;
     if (t->code == 0) {

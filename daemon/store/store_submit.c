@@ -16,7 +16,6 @@
 
 struct submit_task {
     struct task task;
-    struct store *store;
     uint64_t conn;
     struct wire_out bytes; /* the SUBMIT, packed */
     struct msg msg;        /* that SUBMIT, unpacked */
@@ -38,14 +37,15 @@ submit_run(struct task *t)
 {
     struct submit_task *o = (struct submit_task *)t;
 
-    return views_read(&o->views, o->store->blobs.dir, &o->msg.submit, &t->err);
+    return views_read(&o->views, store_of(t)->blobs.dir, &o->msg.submit,
+                      &t->err);
 }
 
 static void
 submit_done(struct task *t)
 {
     struct submit_task *o = (struct submit_task *)t;
-    struct store *s = o->store;
+    struct store *s = store_of(t);
     struct submit_task **at = &s->submitting;
 
     while (*at != o)
@@ -75,7 +75,6 @@ store_read_submit(struct store *s, uint64_t conn, const struct msg *m)
     o = store_new_task(s, sizeof *o, submit_run, submit_done);
     if (!o)
         return true; /* the handler's broken() was called */
-    o->store = s;
     o->conn = conn;
     wire_out_init(&o->bytes, MSG_FRAME_MAX);
     if (msg_pack(&o->bytes, m) != 0 ||

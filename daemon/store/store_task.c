@@ -15,6 +15,7 @@ store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
     if (t) {
         t->run = run;
         t->done = done;
+        t->owner = s;
     } else {
         s->handler->broken(s->arg, EX_OSERR, "out of memory");
     }
@@ -36,7 +37,6 @@ store_push_lasting(struct store *s, struct task *t)
 
 struct settle_task {
     struct task task;
-    struct store *store;
     uint64_t conn;
     uint32_t request;
 };
@@ -52,7 +52,7 @@ static void
 settle_done(struct task *t)
 {
     struct settle_task *w = (struct settle_task *)t;
-    struct store *s = w->store;
+    struct store *s = store_of(t);
 
     if (!is_mute(s, t))
         s->handler->settled(s->arg, w->conn, w->request);
@@ -67,7 +67,6 @@ store_settle(struct store *s, uint64_t conn, uint32_t request)
 
     if (!w)
         return;
-    w->store = s;
     w->conn = conn;
     w->request = request;
     w->task.awaited = true;
