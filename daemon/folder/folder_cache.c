@@ -20,6 +20,7 @@
 #include "base/files.h"
 #include "machine/rowsum.h"
 #include "proto/codec.h"
+#include "refine/refine.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -37,7 +38,7 @@
 
 /* Largest file: all records that a job may have, heads of passes and a tail. */
 #define MOST_CACHE                                                             \
-    (SAVED_MOST_BYTES +                                                        \
+    (RAD_REFINE_STAGES * SAVED_STAGE_BYTES +                                   \
      MSG_MOST_PASSES * (HEAD_BYTES + sizeof(struct msg_counts)) + TAIL_BYTES)
 
 /* Pack the head of a pass. */

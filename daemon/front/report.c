@@ -13,6 +13,7 @@
 #include "filling/tiles.h"
 
 #include "base/text.h"
+#include "refine/refine.h"
 
 #include <stdio.h>
 #include <stdlib.h>

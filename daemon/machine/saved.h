@@ -10,7 +10,6 @@
 
 #include "ground/mark.h"
 #include "partition/partition.h"
-#include "refine/refine.h"
 
 /* A unit that went out: its latest attempt, and what is kept of its rows. */
 struct saved_unit {
@@ -46,9 +45,8 @@ struct saved_pass {
     bool firm; /* sync the pass before anything later is kept; not kept */
 };
 
-/* The most bytes of records of one stage of a job, and of all its stages. */
+/* The most bytes of records of one stage of a job. */
 #define SAVED_STAGE_BYTES (UINT64_C(512) << 20)
-#define SAVED_MOST_BYTES  (RAD_REFINE_STAGES * SAVED_STAGE_BYTES)
 
 /* Passes [first, end), which have the records of a job's last stage, of `all`
  * its passes. */
