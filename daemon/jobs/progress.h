@@ -4,14 +4,13 @@
 #ifndef DAEMON_PROGRESS_H
 #define DAEMON_PROGRESS_H
 
-#include "picture/doubt.h"
-
 #include <stdbool.h>
 #include <stdint.h>
 
 struct job;
 struct msg_counts;
 struct msg_progress;
+struct rad_error_estimate;
 
 /* The passes, which come before the units, as a part of the job's work. */
 struct progress_lead {

@@ -9,6 +9,7 @@
 #ifndef DAEMON_REUSE_H
 #define DAEMON_REUSE_H
 
+#include "base/params.h"
 #include "desk/desk.h"
 
 /* The user's job with whose cache a new job is to begin: spec->reuse or, if

@@ -2,13 +2,12 @@
  * one, what does not fit, what is kept for how long, and the files of it */
 #include "config.h"
 
-#include "coord_fixture.h"
-#include "tests/scratch.h"
-
 #include "folder/folder.h"
 #include "proto/ambshare.h"
 #include "registry/recover.h"
 #include "filling/passes.h"
+#include "coord_fixture.h" /* last: it has a variable f */
+#include "tests/scratch.h"
 
 #include <errno.h>
 #include <sys/resource.h>

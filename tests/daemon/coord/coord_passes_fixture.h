@@ -3,11 +3,10 @@
 #ifndef RADD_TESTS_COORD_PASSES_FIXTURE_H
 #define RADD_TESTS_COORD_PASSES_FIXTURE_H
 
-#include "coord_fixture.h"
-
 #include "passes/passplan.h"
 #include "proto/ambshare.h"
 #include "filling/passes.h"
+#include "coord_fixture.h" /* last: it has a variable f */
 
 static const struct msg_frame wide = { 0, 200, 100, "" };
 
