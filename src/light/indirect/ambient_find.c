@@ -31,6 +31,10 @@
 #define ENOUGH_DEEP  .05
 #define MOST_PUT_OFF 24
 
+/* The ray of that test rises by this over the distance along the surface: at 20
+ * degrees. */
+#define RISE .36397023426620234
+
 /* A search for deep records of a frozen cache ends when those found serve with
  * this weight: each of the many rays of a hemisphere makes such a search. */
 #define ENOUGH_FOR_RAYS .1
@@ -54,15 +58,15 @@ rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
 /* --- interpolation --- */
 
 /* Does a surface, which may be a pane, stand between the place and a point
- * above the record?  The ray rises at 20 degrees from the place's plane, so
- * that it passes over small objects, which hide little light. */
+ * above the record?  The ray rises from the place's plane (RISE), so that it
+ * passes over small objects, which hide little light. */
 static bool
 is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
               const struct rad_ambitem *rec, struct rad_geom_counts *counts,
               uint64_t *rays)
 {
     double n[3] = { (double)rec->n[0], (double)rec->n[1], (double)rec->n[2] };
-    double to[3], rise = rad_tan(M_PI / 9);
+    double to[3];
     struct rad_span span = { .tmin = 0 };
     struct rad_hit hit = { .err = at->err }, veil;
     struct rad_line line;
@@ -70,7 +74,7 @@ is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
     rad_sub(to, rec->p, at->p);
     double height = rad_dot(to, at->n), d2 = rad_dot(to, to);
     double along = sqrt(rad_most(d2 - height * height, 0));
-    double up = (rise * along - height) / rad_dot(n, at->n);
+    double up = (RISE * along - height) / rad_dot(n, at->n);
 
     if (!(up > 0))
         return false; /* the record is high enough itself */
