@@ -21,7 +21,8 @@
 #include "base/vec.h"
 
 /* Records with larger zones are left out if the weights of records with smaller
- * zones sum to this. */
+ * zones sum to this; and for pixels, over a frozen cache, those beyond -aa if
+ * the weights of those within do. */
 #define ENOUGH_WEIGHT .05
 
 /* The test for a light leak takes a ray.  If the question is only whether some
@@ -113,6 +114,7 @@ struct search {
     float max_angle;   /* between normals [rad] */
     float aa, reach;   /* distance in radii up to which records serve, and up to
                         * which they are averaged */
+    double share;      /* factor of weights in averages */
     float behind;  /* least height over a record's surface where it serves */
     double serves; /* weight of records within aa, found so far */
     double weight; /* of all records found so far */
@@ -205,7 +207,7 @@ add_record(struct search *s, const struct rad_ambitem *it)
     angular = (double)(1 - turn / s->max_angle);
     if (dist < s->aa)
         s->serves += angular * (double)(1 - dist / s->aa);
-    w = angular * (double)(1 - dist / s->reach);
+    w = s->share * angular * (double)(1 - dist / s->reach);
     s->weight += w;
     if (s->doubts) {
         lum = (double)(factor * rad_rgb_lum(says.E));
@@ -257,17 +259,41 @@ look_at_put_off(struct search *s, int frozen)
     s->frozen = false;
 }
 
-/* Find the records that serve at s->at. */
+/* Add the records that meet the query to the sums. */
+static void
+search_once(struct search *s, const struct rad_ambquery *q)
+{
+    const struct rad_ambient *amb = s->amb;
+    const struct rad_ambtile *tile = s->asker->tile;
+    int frozen;
+
+    s->frozen = amb->frozen;
+    if (amb->frozen)
+        rad_ambread_visit(&amb->read, rad_ambient_seen(amb, tile)->n, q,
+                          add_records, want_more, s);
+    else
+        rad_ambcache_visit(amb->cache, q, add_records, want_more, s);
+    s->frozen = false;
+    frozen = s->nput_off;
+    if (tile && rad_ambtile_has(tile, s->at->level) && !is_answered(s))
+        rad_ambcache_visit(tile->own, q, add_records, want_more, s);
+    look_at_put_off(s, frozen);
+}
+
+/* Find the records that serve at s->at.  Pixels see the mean of records within
+ * -aa, which are smoothed: the mean of more would take longer and have no less
+ * noise.  Where these weigh little, at the edges of their zones, records beyond
+ * count by what is lacking: so E does not jump there. */
 static void
 search_all(struct search *s)
 {
     const struct rad_ambplace *at = s->at;
     const struct rad_ambient *amb = s->amb;
-    const struct rad_ambtile *tile = s->asker->tile;
     const struct rad_ambterms *t = &amb->usual[at->level % RAD_AMBIENT_USUAL];
     struct rad_ambterms others;
     struct rad_ambquery q = { .level = at->level };
-    int frozen;
+    float reach = (float)rad_ambscale_reach(&amb->scale, at->level);
+    bool near = s->asker->only || s->asker->near;
 
     if ((float)at->weight != t->weight) {
         rad_ambient_set_terms(amb, (float)at->weight, &others);
@@ -276,9 +302,8 @@ search_all(struct search *s)
     s->weight9 = (float)(.9 * at->weight);
     s->max_angle = t->max_angle;
     s->aa = (float)amb->scale.ambacc;
-    s->reach = s->asker->only || s->asker->near
-                   ? s->aa
-                   : (float)rad_ambscale_reach(&amb->scale, at->level);
+    s->reach = near || (amb->frozen && at->level == 0) ? s->aa : reach;
+    s->share = 1;
     s->behind = -(float)(amb->scale.least * amb->scale.ambacc);
     q.fit = &t->fit;
     rad_copy(q.p, at->p);
@@ -290,18 +315,13 @@ search_all(struct search *s)
     s->enough = s->asker->only                 ? 0
                 : amb->frozen && at->level > 0 ? ENOUGH_FOR_RAYS
                                                : INFINITY;
-    s->frozen = amb->frozen;
     s->spares = s->asker->only || (amb->frozen && at->level > 0);
-    if (amb->frozen)
-        rad_ambread_visit(&amb->read, rad_ambient_seen(amb, tile)->n, &q,
-                          add_records, want_more, s);
-    else
-        rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
-    s->frozen = false;
-    frozen = s->nput_off;
-    if (tile && rad_ambtile_has(tile, at->level) && !is_answered(s))
-        rad_ambcache_visit(tile->own, &q, add_records, want_more, s);
-    look_at_put_off(s, frozen);
+    search_once(s, &q);
+    if (!near && s->reach < reach && s->weight < ENOUGH_WEIGHT) {
+        s->share = 1 - s->weight / ENOUGH_WEIGHT;
+        s->reach = reach;
+        search_once(s, &q);
+    }
 }
 
 /* The mean E of the records found. */

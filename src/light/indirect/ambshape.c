@@ -7,12 +7,14 @@
 #include "base/vec.h"
 
 /* Records of level 0, which pixels show, are made where no other is within its
- * zone, but are averaged so many times farther out: the mean of more records
- * has less noise.  With 64 to 128 rays a record this lowers a picture's error
- * by 5 to 15 %; at a factor of 2 the error of extrapolation begins to count,
- * and look-ups take longer.  With a large -aa that error is most of the error
- * already, so -aa times the factor is limited to FARTHEST_OVERLAP.  Deeper
- * records are averaged by hemispheres anyway. */
+ * zone, and serve up to so many times farther out.  A live cache averages all
+ * of these: the mean of more records has less noise.  With 64 to 128 rays a
+ * record this lowers a picture's error by 5 to 15 %; at a factor of 2 the error
+ * of extrapolation begins to count, and look-ups take longer.  With a large -aa
+ * that error is most of the error already, so -aa times the factor is limited
+ * to FARTHEST_OVERLAP.  A frozen cache smooths its records, and needs those
+ * beyond -aa for the gaps that passes have left alone.  Deeper records are
+ * averaged by hemispheres anyway. */
 #define OVERLAP          1.5
 #define FARTHEST_OVERLAP .75
 

@@ -326,6 +326,28 @@ TEST(near_records_are_averaged_in)
     }
 }
 
+/* Over a frozen cache they count by what weight is lacking to .05. */
+TEST(frozen_records_that_do_not_quite_reach_fill_gaps)
+{
+    static const struct {
+        double x, E;
+    } row[] = { { .1105, 2 }, { .115, 2 }, { .1195, 2.883721 } };
+    struct rad_ambrec rec[2] = { record(.1, .2, -.5, 2, 0),
+                                 record(.14, .2, -.5, 4, 0) };
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    rad_ambient_freeze(w.job->ambient);
+    for (int i = 0; i < 2; i++)
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec[i]));
+    ck_assert(rad_ambient_settle(w.job->ambient));
+    for (size_t i = 0; i < N_ELEM(row); i++) {
+        struct rad_rgb E = { 0, 0, 0 };
+
+        ck_assert(find(row[i].x, .2, -.5, 0, 1, &E) > 0);
+        ck_assert_double_eq_tol(E.r, row[i].E, 1e-4);
+    }
+}
+
 TEST(other_side_is_not_served)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
