@@ -17,7 +17,6 @@
 #include "config.h"
 
 #include "light/indirect/ambient_impl.h"
-#include "arith/elementary.h"
 #include "base/vec.h"
 
 /* Records with larger zones are left out if the weights of records with smaller
@@ -48,8 +47,9 @@ rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
 {
     double angle = M_PI / 18 + amb->scale.ambacc;
 
-    if (weight < .6f)
-        angle = M_PI / 2 - (M_PI / 2 - angle) * rad_pow((double)weight, .13);
+    if (weight < .6f) /* rpict has weight^.13, which takes longer */
+        angle =
+            M_PI / 2 - (M_PI / 2 - angle) * sqrt(sqrt(sqrt((double)weight)));
     t->weight = weight;
     t->max_angle = (float)angle;
     rad_ambfit_set(&t->fit, rad_most(1 - .5 * angle * angle, 0),
