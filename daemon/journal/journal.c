@@ -26,20 +26,43 @@
 
 /* --- errors --- */
 
+/* The system's number of the last failure at the log's file, or else at the
+ * database's; 0: none failed since the file was opened. */
+static int
+file_error(struct journal *j)
+{
+    sqlite3_file *log = NULL;
+    int number = 0;
+
+    sqlite3_file_control(j->db, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
+    if (log && log->pMethods)
+        log->pMethods->xFileControl(log, SQLITE_FCNTL_LAST_ERRNO, &number);
+    if (number == 0)
+        sqlite3_file_control(j->db, "main", SQLITE_FCNTL_LAST_ERRNO, &number);
+    return number;
+}
+
 /* The system's number of the last error.  SQLite does not note it when COMMIT
  * fails, but the log's file has it. */
 static int
 system_error(struct journal *j)
 {
     int number = sqlite3_system_errno(j->db);
-    sqlite3_file *log = NULL;
 
-    if (number != 0)
-        return number;
-    sqlite3_file_control(j->db, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
-    if (log && log->pMethods)
-        log->pMethods->xFileControl(log, SQLITE_FCNTL_LAST_ERRNO, &number);
-    return number;
+    return number ? number : file_error(j);
+}
+
+/* Why is the database, or its log, open for reading alone?  SQLite opens a file
+ * so if it cannot be opened for writing, and forgets why. */
+static int
+unwritable(struct journal *j)
+{
+    const char *path = sqlite3_db_filename(j->db, "main");
+    bool denied = access(path, W_OK) < 0;
+
+    if (!denied && access(sqlite3_filename_wal(path), W_OK) < 0)
+        denied = errno != ENOENT;
+    return denied ? disk_code(errno) : RAD_EIO;
 }
 
 static int
@@ -51,8 +74,9 @@ code_of(struct journal *j, int rc)
     case SQLITE_FULL:
         return RAD_EFULL;
     case SQLITE_PERM:
-    case SQLITE_READONLY:
         return RAD_EPERM;
+    case SQLITE_READONLY:
+        return unwritable(j);
     case SQLITE_NOMEM:
         return RAD_ENOMEM;
     case SQLITE_BUSY:
@@ -380,13 +404,18 @@ journal_check(struct journal *j, struct rad_error *err)
     int rc =
         sqlite3_prepare_v2(j->db, "PRAGMA integrity_check(1)", -1, &s, NULL);
     const char *text;
+    int number;
 
     if (rc != SQLITE_OK)
         return journal_failed(j, rc, err);
     rc = sqlite3_step(s);
+    number = file_error(j); /* a page that cannot be read is no damaged one */
     text = rc == SQLITE_ROW ? (const char *)sqlite3_column_text(s, 0) : NULL;
     if (rc != SQLITE_ROW)
         rc = journal_failed(j, rc, err);
+    else if (number != 0)
+        rc = rad_fail(err, disk_code(number), "database: cannot read: %s",
+                      strerror(number));
     else if (!text || strcmp(text, "ok") != 0)
         rc = rad_fail(err, RAD_EDATA, "database: %.200s", text ? text : "?");
     else

@@ -8,6 +8,7 @@
 #include "journal/journal_impl.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,8 +18,8 @@
 
 FIXTURE(scratch_make, scratch_remove)
 
-/* What writes and syncs fail with; 0: they do not. */
-static _Atomic int write_fault, sync_fault;
+/* What reads, writes and syncs fail with; 0: they do not. */
+static _Atomic int read_fault, write_fault, sync_fault;
 
 /* In place of the C library's. */
 int
@@ -35,6 +36,19 @@ fdatasync(int fd)
 }
 
 /* In place of the C library's, of which SQLite uses either. */
+ssize_t
+pread(int fd, void *bytes, size_t n, off_t at)
+{
+    errno = read_fault;
+    return read_fault ? -1 : (ssize_t)syscall(SYS_pread64, fd, bytes, n, at);
+}
+
+ssize_t
+pread64(int fd, void *bytes, size_t n, off_t at)
+{
+    return pread(fd, bytes, n, at);
+}
+
 ssize_t
 pwrite(int fd, const void *bytes, size_t n, off_t at)
 {
@@ -122,6 +136,60 @@ TEST(a_database_that_cannot_be_looked_at_is_not_replaced)
     ck_assert_ptr_nonnull(strstr(err.what, "look at"));
     ck_assert_int_eq(lstat(path, &st), 0);
     ck_assert(S_ISLNK(st.st_mode));
+}
+
+/* Else systemd would not start radcoord again when the disk is back. */
+TEST(a_database_that_cannot_be_read_is_not_damaged)
+{
+    struct rad_error err = { 0 };
+    char path[160];
+    struct journal *j;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    read_fault = EIO;
+    ck_assert_int_eq(journal_check(j, &err), RAD_EIO);
+    read_fault = 0;
+    ck_assert_ptr_nonnull(strstr(err.what, strerror(EIO)));
+    journal_close(j);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
+    ck_assert_int_eq(journal_check(j, NULL), 0);
+    journal_close(j);
+}
+
+/* An open() for SQLite alone, with a disk that lets the log be read only. */
+static int
+open_but_log(const char *path, int flags, int mode)
+{
+    if ((flags & O_RDWR) && strstr(path, "-wal")) {
+        errno = EIO;
+        return -1;
+    }
+    return open(path, flags, mode);
+}
+
+TEST(a_log_that_the_disk_does_not_open_is_not_forbidden)
+{
+    sqlite3_vfs *vfs = sqlite3_vfs_find(NULL);
+    sqlite3_syscall_ptr usual = vfs->xGetSystemCall(vfs, "open");
+    uint64_t date = 1, epoch;
+    struct rad_error err = { 0 };
+    char path[160], log[170];
+    struct journal *j;
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    snprintf(log, sizeof log, "%s-wal", path);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    journal_close(j);
+    f = fopen(log, "w");
+    ck_assert_ptr_nonnull(f);
+    fclose(f);
+    vfs->xSetSystemCall(vfs, "open", (sqlite3_syscall_ptr)open_but_log);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
+    ck_assert_int_eq(journal_begin_life(j, &date, &epoch, &err), RAD_EIO);
+    journal_close(j);
+    vfs->xSetSystemCall(vfs, "open", usual);
 }
 
 TEST(a_commit_without_memory_for_more_is_one)
