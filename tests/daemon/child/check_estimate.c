@@ -416,6 +416,7 @@ estimate_in_shortage(bool facts)
                                     .nareas = 1,
                                     .areas = &all };
     struct estimate *e;
+    void *volatile taken; /* lest the compiler leaves its memory out */
 
     mallopt(M_MMAP_THRESHOLD, 1 << 14); /* less than the pixels take */
     open_pool(usual, false, 1);
@@ -423,6 +424,9 @@ estimate_in_shortage(bool facts)
         make_estimate(m.rays, &all, 1);
     e = facts ? done : estimate_new(&f.frame, 1, &m, NULL);
     setrlimit(RLIMIT_DATA, &none);
+    do /* nor any that former tests have freed */
+        taken = malloc(1 << 14);
+    while (taken);
     if (facts)
         estimate_facts(e);
     else if (pool_estimate(f.pool, e, on_estimated))
