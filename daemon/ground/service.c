@@ -4,6 +4,7 @@
 #include "ground/service.h"
 
 #include "base/output.h"
+#include "net/log.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -40,27 +41,44 @@ service_raise_descriptors(struct rad_error *err)
                     (unsigned long long)limit.rlim_max, LEAST_DESCRIPTORS);
 }
 
-int
-service_notify_open(void)
+/* A datagram socket that is connected with the one at path; -1: errno. */
+static int
+dial(const char *path)
 {
-    const char *path = getenv("NOTIFY_SOCKET");
     struct sockaddr_un to = { .sun_family = AF_UNIX };
-    size_t n;
-    int fd;
+    size_t n = strlen(path);
+    int fd, number;
 
-    if (!path || !path[0] || strlen(path) >= sizeof to.sun_path)
+    if (n >= sizeof to.sun_path) {
+        errno = ENAMETOOLONG;
         return -1;
-    n = strlen(path);
+    }
     memcpy(to.sun_path, path, n);
     if (to.sun_path[0] == '@') /* the abstract namespace */
         to.sun_path[0] = '\0';
     fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (fd >= 0 &&
+    if (fd < 0 ||
         connect(fd, (struct sockaddr *)&to,
-                (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n)) < 0) {
-        close(fd);
-        fd = -1;
-    }
+                (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n)) == 0)
+        return fd;
+    number = errno;
+    close(fd);
+    errno = number;
+    return -1;
+}
+
+int
+service_notify_open(void)
+{
+    const char *path = getenv("NOTIFY_SOCKET");
+    int fd;
+
+    if (!path || !path[0])
+        return -1;
+    fd = dial(path);
+    if (fd < 0)
+        log_warn("systemd not reached at=%s why=%s", path,
+                 uv_strerror(uv_translate_sys_error(errno)));
     return fd;
 }
 

@@ -19,9 +19,9 @@
 int service_raise_descriptors(struct rad_error *err);
 
 /* Open systemd's socket; -1: NOTIFY_SOCKET is not set (sd_notify(3)), or cannot
- * be opened.  Tell systemd a state: "READY=1", "RELOADING=1", "STOPPING=1",
- * "WATCHDOG=1"; with fd -1 do nothing.  The socket stays open, so that a sign
- * of life needs no new descriptor. */
+ * be opened, as the log tells.  Tell systemd a state: "READY=1", "RELOADING=1",
+ * "STOPPING=1", "WATCHDOG=1"; with fd -1 do nothing.  The socket stays open, so
+ * that a sign of life needs no new descriptor. */
 int service_notify_open(void);
 void service_notify(int fd, const char *state);
 

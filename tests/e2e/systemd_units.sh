@@ -66,6 +66,13 @@ cluster_stop
 all_say STOPPING=1 || fail "not all say that they stop"
 kill $listener
 
+export NOTIFY_SOCKET="$work/nobody"
+coord_start
+unset NOTIFY_SOCKET
+grep -q "warn: systemd not reached at=$work/nobody why=no such file" c.log ||
+    fail "no word of a systemd that is not there: $(cat c.log)"
+cluster_stop
+
 # --- what systemd says ---
 
 if ! systemd-analyze --version >/dev/null 2>&1; then
