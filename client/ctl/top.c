@@ -83,12 +83,31 @@ rates_of(const struct top *t, enum top_pane pane, const json_t *rows, double s)
     return rates;
 }
 
+/* Drop the earlier of two rows of a job: it ended after the open jobs were
+ * told, and was told again among those that are over. */
+static void
+drop_earlier(json_t *jobs)
+{
+    json_t *seen = json_object();
+
+    for (size_t i = json_array_size(jobs); i-- > 0;) {
+        const char *name = top_name(TOP_JOBS, json_array_get(jobs, i));
+
+        if (json_object_get(seen, name))
+            json_array_remove(jobs, i);
+        else
+            json_object_set_new(seen, name, json_true());
+    }
+    json_decref(seen);
+}
+
 void
 top_take(struct top *t, double now_s, json_t *status, json_t *workers,
          json_t *jobs, json_t *stats)
 {
     json_t *rows[TOP_NPANE] = { workers, jobs };
 
+    drop_earlier(jobs);
     json_decref(t->stats);
     t->stats = stats;
     for (int p = 0; p < TOP_NPANE; p++) {

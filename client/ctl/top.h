@@ -68,8 +68,9 @@ struct top {
 void top_init(struct top *t);
 void top_release(struct top *t);
 
-/* Take new data, which came at now_s [s, any origin]; takes the references.
- * stats: of `job` (radd.stats(5)), or NULL. */
+/* Take new data, which came at now_s [s, any origin]; takes the references.  Of
+ * two rows of a job the later counts.  stats: of `job` (radd.stats(5)), or
+ * NULL. */
 void top_take(struct top *t, double now_s, json_t *status, json_t *workers,
               json_t *jobs, json_t *stats);
 

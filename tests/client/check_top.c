@@ -169,6 +169,27 @@ TEST(jobs_that_are_over_come_last)
     top_release(&t);
 }
 
+/* It ended after the open jobs were told, and before the others were. */
+TEST(a_job_that_ends_meanwhile_is_listed_once)
+{
+    static const char twice[] =
+        "[{\"job\":\"aa\",\"name\":\"room\",\"state\":\"running\"},"
+        "{\"job\":\"bb\",\"name\":\"hall\",\"state\":\"running\"},"
+        "{\"job\":\"aa\",\"name\":\"room\",\"state\":\"done\"}]";
+    struct top t;
+    const struct picture *p;
+    int at;
+
+    top_init(&t);
+    top_take(&t, 1, parse(status), parse_with(workers, 1), parse(twice), NULL);
+    p = draw(&t, 120, 24);
+    at = line_with(p, "room");
+    ck_assert_int_gt(at, line_with(p, "hall"));
+    ck_assert_ptr_nonnull(strstr(p->line[at], "done"));
+    ck_assert_ptr_null(strstr(p->line[line_with(p, "hall") - 1], "room"));
+    top_release(&t);
+}
+
 TEST(narrow_terminals_leave_out_columns)
 {
     struct top t;
