@@ -300,6 +300,14 @@ desk_date_ms(const struct coord *c)
 }
 
 uint64_t
+desk_shown_ms(const struct coord *c, uint64_t date_ms)
+{
+    int64_t ahead_ms = c->env.ahead_ms ? c->env.ahead_ms(c->env.arg) : 0;
+
+    return date_ms + (uint64_t)ahead_ms;
+}
+
+uint64_t
 desk_age_ms(const struct coord *c, const struct job *job)
 {
     uint64_t date_ms = desk_date_ms(c);

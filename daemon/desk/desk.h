@@ -137,6 +137,8 @@ bool desk_others_may(const struct coord *c, const struct job *job,
 /* The date: the time by a clock that runs on while the machine sleeps.  By it
  * jobs that are over age; for workers no time passes during a sleep. */
 uint64_t desk_date_ms(const struct coord *c);
+/* What the system's clock shows at such a date, for users. */
+uint64_t desk_shown_ms(const struct coord *c, uint64_t date_ms);
 /* For how long the job has been over, sleep of the machine included. */
 uint64_t desk_age_ms(const struct coord *c, const struct job *job);
 /* Is the job over, with frames that its owner has not fetched but still may? */

@@ -45,6 +45,9 @@ struct coord_env {
     /* for how long the machine has slept in this life of the coordinator, which
      * now_ms lacks; NULL: it never sleeps */
     uint64_t (*slept_ms)(void *arg);
+    /* by how much the system's clock is ahead of the date that this life goes
+     * by, since it was put right; NULL: it is right */
+    int64_t (*ahead_ms)(void *arg);
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* number of this life of the coordinator */
     unsigned direct;     /* so many workers of a job get records of tiles from

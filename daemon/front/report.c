@@ -243,7 +243,8 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     char when[BYGONE_TIME];
 
     if (desk_unfetched(c, job) && !job->text[0]) {
-        bygone_time_text(job->over_ms + c->keep.unfetched_ms, when);
+        bygone_time_text(desk_shown_ms(c, job->over_ms + c->keep.unfetched_ms),
+                         when);
         snprintf(buf, MSG_MAX_TEXT + 1, "not fetched; kept until %s", when);
         return buf;
     }

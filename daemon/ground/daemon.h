@@ -65,6 +65,9 @@ struct daemon_ops {
 };
 #define DAEMON_TICK_MS 100
 
+/* 2026: a system's clock that shows less [ms] is wrong. */
+#define DAEMON_RIGHT_MS UINT64_C(1767225600000)
+
 struct daemon {
     const struct conf_table *table;
     struct daemon_settings *set;

@@ -12,8 +12,9 @@
 
 #include "journal/journal_impl.h"
 
+#include "ground/daemon.h"
+
 #define PAUSE_MS (UINT64_C(12) * 3600 * 1000)
-#define RIGHT_MS UINT64_C(1767225600000) /* 2026: a clock before it is wrong */
 
 struct life {
     uint64_t epoch, seen_ms;
@@ -78,7 +79,7 @@ journal_begin_life(struct journal *j, uint64_t *date_ms, uint64_t *epoch,
     struct life last = { 0 };
     int rc = read_last(j, &last, err);
 
-    if (*date_ms < RIGHT_MS && *date_ms < last.seen_ms)
+    if (*date_ms < DAEMON_RIGHT_MS && *date_ms < last.seen_ms)
         *date_ms = last.seen_ms;
     *epoch = *date_ms > last.epoch ? *date_ms : last.epoch + 1;
     if (rc == 0)

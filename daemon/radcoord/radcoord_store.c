@@ -216,6 +216,16 @@ slept_ms(void *arg)
     return all_ms > awake_ms ? all_ms - awake_ms : 0;
 }
 
+/* By how much the system's clock, if it can be right, is ahead of the date. */
+static int64_t
+ahead_ms(void *arg)
+{
+    uint64_t clock = clock_ms(CLOCK_REALTIME);
+    int64_t by_ms = (int64_t)(clock - radcoord_now(arg) - slept_ms(arg));
+
+    return clock < DAEMON_RIGHT_MS ? 0 : by_ms;
+}
+
 static void
 sent(void *arg, uint64_t id, const struct store_source *whole)
 {
@@ -311,6 +321,7 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
                              .has_room = has_room,
                              .each_sent = each_sent,
                              .slept_ms = slept_ms,
+                             .ahead_ms = ahead_ms,
                              .program = "radcoord " PACKAGE_VERSION,
                              .keeps = !r->set.common.embedded,
                              .one_user = r->set.common.embedded };

@@ -415,7 +415,7 @@ gone_of(const struct coord *c, const struct job *job, enum gone_why why)
     struct saved_gone g = { .why = why,
                             .fetched = job->unfetched == 0,
                             .end_ms = job->over_ms,
-                            .gone_ms = desk_date_ms(c),
+                            .gone_ms = desk_shown_ms(c, desk_date_ms(c)),
                             .sequence = job->sequence };
 
     memcpy(g.job, job->id, MSG_JOB);

@@ -197,6 +197,9 @@ another_life()
     used 1 || fail "forgotten by a clock that is $1 s ahead: $(ana jobs)"
 }
 another_life $((20 * 366 * 86400))
+echo 0 >clock # dates that are shown go by it at once
+until_year=$(ana jobs | sed -n 's/.*kept until \([0-9]*\)-.*/\1/p')
+[ "$until_year" -le $(($(date +%Y) + 1)) ] || fail "kept until $until_year"
 another_life 0
 another_life $((3600 - $(date +%s)))
 grep -q 'clock wrong by_s=' c.log || fail "the log does not tell of 1970"
