@@ -7,7 +7,8 @@ every value of every option meets every value of every other one.  A run either
 serves (it is asked, a job is submitted, it ends with status 0 when told to) or
 is refused as its table says.  radsubmit and radctl get pairs that a seed draws
 (RADD_SEED, RADD_PAIRS of them; all with RADD_SOAK=long); they may refuse a pair
-if they say which option they do not like.
+if they say which option they do not like.  What radsubmit writes with a pair it
+writes again, to the byte, on a cluster that shares the work out.
 
 What no run may do: crash, call itself defective (status 70), hang, or be told
 of by a sanitizer.  An option of --help that no table here has is an error.
@@ -492,9 +493,48 @@ def split(option):
     return option.split(" ") if not option.startswith("--name") else [option]
 
 
+# options that say where a job runs, and those with which nothing is written, or
+# something that follows from the time or from what ran before
+ELSEWHERE = {"coordinator", "local", "launch", "address", "key", "workers",
+             "threads", "detach", "dry-run", "job", "defaults", "rpict-path",
+             "time", "reuse"}
+# with ambient values, what a ray finds is whatever was made until then
+LIVE = {"--ambient=live", "--no-share", "--fresh-frames"}
+STAMP = re.compile(rb"^(CAPDATE|GMT|HOST|JOB)=.*\n", re.M)
+
+
+def follows_from_options(pair):
+    chosen = {o for o, _ in pair}
+    live = LIVE & {v for _, v in pair} and chosen & {"bounces", "quality"}
+    return not chosen & ELSEWHERE and not live
+
+
+def written(out, stdout):
+    """All that a run has written, but for times."""
+    start = os.path.basename(out)
+    files = {"": stdout}
+    for name in os.listdir(WORK):
+        if name.startswith(start) and not name.endswith((".json", ".err")):
+            with open(path(name), "rb") as f:
+                files[name[len(start):]] = STAMP.sub(b"", f.read())
+    return files
+
+
+def check_shared(words, names, stdin, alone):
+    """The same words on a cluster, whose workers share the job."""
+    out = fresh("out") + "_"
+    words = [w.replace(names["@OUT"], out) for w in words if w != "--local"]
+    words.insert(1, "--coordinator=" + names["@SOCK"])
+    status, stdout, err = run(words, stdin)
+    if status != 0:
+        fault("status %s on a cluster" % status, words, err)
+    elif written(out, stdout) != alone:
+        fault("other bytes on a cluster than alone", words, err)
+
+
 def try_submit(pair, names):
     words = [program("radsubmit")]
-    names = {**names, "@OUT": fresh("out")}
+    names = {**names, "@OUT": fresh("out") + "_"}
     options = [w for _, v in pair for w in split(filled(v, names))]
     chosen = {o for o, _ in pair}
     # -o is a picture's, or an animation's frames'
@@ -507,8 +547,11 @@ def try_submit(pair, names):
         options += ["--coordinator=" + names["@SOCK"]]
     words += SMALL + options + ([] if "defaults" in chosen else [ROOM])
     with open(path("walk.vf")) as views:
-        status, _, err = run(words, views if "animation" in chosen else
-                             subprocess.DEVNULL)
+        stdin = views if "animation" in chosen else subprocess.DEVNULL
+        status, stdout, err = run(words, stdin)
+        if status == 0 and follows_from_options(pair):
+            views.seek(0)
+            check_shared(words, names, stdin, written(names["@OUT"], stdout))
     if status == 76 or (status and not told(words, err)):
         fault("status %d, and no option is named" % status, words, err)
     if status == 0 and TOLD.search(err):
@@ -530,6 +573,14 @@ def try_ctl(pair, names):
     return status == 0
 
 
+def worker_of_clients(name):
+    ports = fresh("ports")
+    return Daemon([program("radd"), "--coordinator=" + path("coord.sock"),
+                   "--name=" + name, "--threads=1", "--cache=" + fresh("cache"),
+                   "--nice=0", "--listen=127.0.0.1:0",
+                   "--ports-file=" + ports], ports)
+
+
 def try_clients():
     rng = random.Random(SEED)
     make_keys()
@@ -544,18 +595,16 @@ def try_clients():
         f.write("-ab 0 -ps 2\n")
     run([program("radsubmit"), "--stats=" + path("costs.json"), "-o",
          path("costs.hdr")] + SMALL + [ROOM])
-    more = fresh("ports")
     coord = start_coord()
-    worker = Daemon([program("radd"), "--coordinator=" + path("coord.sock"),
-                     "--name=w1", "--threads=1", "--cache=" + path("cache"),
-                     "--listen=127.0.0.1:0", "--ports-file=" + more], more)
+    workers = [worker_of_clients(w) for w in ("w1", "w2")]
     job = run([program("radsubmit"), "--coordinator=" + path("coord.sock"),
                "--detach"] + SMALL + [ROOM])[1].strip()
     names = {"@SOCK": path("coord.sock"), "@TCP": coord.address("tcp"),
              "@JOB": job, "@NONE": "0" * 32, "@STATE": path("st")}
     done = [try_submit(p, names) for p in draw(SUBMIT, rng)] + \
            [try_ctl(p, names) for p in draw(CTL, rng)]
-    worker.end()
+    for worker in workers:
+        worker.end()
     coord.end()
     print("%d pairs of clients' options, %d did what they say" %
           (len(done), sum(done)))

@@ -1,6 +1,7 @@
 #!/bin/sh
 # pairs.sh - each program with each pair of its options (pairs.py says how):
-# nothing crashes, hangs or calls itself defective, and what is refused is named
+# nothing crashes, hangs or calls itself defective, what is refused is named, and
+# two workers write the bytes that one writes
 #
 # RADD_SOAK=long tries all pairs of the clients' options instead of RADD_PAIRS
 # (60 of each program) that RADD_SEED draws.
