@@ -66,6 +66,23 @@ fail:
     return NULL;
 }
 
+/* The code for a file that is not opened: the fault may lie with the disk, or a
+ * shortage, and the file be sound. */
+static int
+open_code(int number)
+{
+    switch (number) {
+    case EIO:
+        return RAD_EIO;
+    case EMFILE:
+    case ENFILE:
+    case ENOMEM:
+        return RAD_ESHORT;
+    default:
+        return RAD_ENOINPUT;
+    }
+}
+
 int
 rad_file_open(const char *path, struct rad_error *err)
 {
@@ -75,8 +92,8 @@ rad_file_open(const char *path, struct rad_error *err)
         fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
     while (fd < 0 && errno == EINTR);
     return fd >= 0 ? fd
-                   : rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", path,
-                              strerror(errno));
+                   : rad_fail(err, open_code(errno), "cannot open '%s': %s",
+                              path, strerror(errno));
 }
 
 unsigned char *

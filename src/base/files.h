@@ -26,11 +26,11 @@ struct rad_files {
     int (*open)(void *arg, const char *name, struct rad_error *err);
 };
 
-/* Open the file at path to read it; a descriptor, or RAD_ENOINPUT. */
+/* Open the file at path to read it: a descriptor, or a code as for reading. */
 int rad_file_open(const char *path, struct rad_error *err);
 
-/* Read the whole file at path, likewise.  RAD_EDATA: it has more than max
- * bytes; RAD_ENOINPUT: it is missing or unreadable; RAD_EIO: a read fails. */
+/* Read the whole file at path.  RAD_EDATA: more than max bytes; RAD_ENOINPUT:
+ * missing or unreadable; RAD_EIO: the disk fails; RAD_ESHORT: a shortage. */
 unsigned char *rad_file_read(const char *path, size_t max, size_t *len,
                              struct rad_error *err);
 

@@ -7,9 +7,30 @@
 #include "scene/file/bundle.h"
 #include "tests/unit.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <unistd.h>
+
+static int open_fault; /* what open() fails with; 0: it does not */
+
+/* In place of the C library's. */
+int
+open(const char *path, int flags, ...)
+{
+    va_list ap;
+    int mode;
+
+    va_start(ap, flags);
+    mode = va_arg(ap, int);
+    va_end(ap);
+    errno = open_fault;
+    return open_fault ? -1
+                      : (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+}
 
 /* FIPS 180-4's examples */
 #define SHA_ABC                                                                \
@@ -248,4 +269,22 @@ TEST(reading_a_folder_is_an_input_error)
 
     ck_assert_ptr_null(rad_file_read("/", 100, &len, &err));
     ck_assert_int_eq(err.code, RAD_ENOINPUT);
+}
+
+/* Else radcoord would call a sound folder damaged, and stay down. */
+static const struct {
+    int number, code;
+} unopened[] = {
+    { ENOENT, RAD_ENOINPUT }, { EACCES, RAD_ENOINPUT }, { EIO, RAD_EIO },
+    { EMFILE, RAD_ESHORT },   { ENFILE, RAD_ESHORT },   { ENOMEM, RAD_ESHORT },
+};
+
+LOOP_TEST(a_file_that_is_not_opened_need_not_be_missing, N_ELEM(unopened))
+{
+    struct rad_error err = { 0 };
+
+    open_fault = unopened[_i].number;
+    ck_assert_int_eq(rad_file_open("/", &err), unopened[_i].code);
+    open_fault = 0;
+    ck_assert_ptr_nonnull(strstr(err.what, strerror(unopened[_i].number)));
 }
