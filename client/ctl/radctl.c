@@ -11,6 +11,9 @@
 #include "base/output.h"
 #include "ground/memory.h"
 
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -388,9 +391,25 @@ say_unnamed(struct ctl *c)
                                             : "");
 }
 
+/* A coordinator that is gone when something is written to it is told of; a
+ * program that reads the output and is gone ends radctl, as it ends others. */
+static void
+on_pipe(int signum)
+{
+    struct pollfd out = { .fd = STDOUT_FILENO };
+    int number = errno;
+
+    if (poll(&out, 1, 0) > 0 && out.revents & POLLERR) {
+        signal(signum, SIG_DFL);
+        raise(signum);
+    }
+    errno = number;
+}
+
 static int
 run(struct ctl *c)
 {
+    struct sigaction broken = { .sa_handler = on_pipe, .sa_flags = SA_RESTART };
     bool named;
     int rc;
 
@@ -404,6 +423,7 @@ run(struct ctl *c)
         target_default(&c->to);
     if ((rc = link_loop_init(&c->loop, false, c->err)) < 0)
         return rc;
+    sigaction(SIGPIPE, &broken, NULL);
     c->start_ms = uv_now(&c->loop);
     rc = ctl_connect(c);
     if (rc == RAD_EUNAVAIL && !named)

@@ -134,5 +134,25 @@ echo "rate 200" >slow.do
     fail "a slow job: $(cat stderr)"
 end_one $slow "the slow connection"
 
+# a coordinator that is gone before the question comes
+cat >deaf.py <<'PY'
+import socket, sys, time
+server, coord = socket.socket(socket.AF_UNIX), socket.socket(socket.AF_UNIX)
+server.bind("deaf")
+server.listen()
+coord.connect(sys.argv[1])
+user, _ = server.accept()
+coord.sendall(user.recv(65536))
+user.shutdown(socket.SHUT_RD)
+user.sendall(coord.recv(65536))
+time.sleep(60)
+PY
+python3 deaf.py "$sock" &
+deaf=$!
+until_true 10 test -S deaf || fail "nobody listens"
+expect 69 "no coordinator at" "a coordinator that is gone" \
+    "$radctl" --coordinator="$work/deaf" status
+kill $deaf
+
 cluster_stop
 finish
