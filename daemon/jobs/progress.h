@@ -4,7 +4,6 @@
 #ifndef DAEMON_PROGRESS_H
 #define DAEMON_PROGRESS_H
 
-#include <stdbool.h>
 #include <stdint.h>
 
 struct job;
