@@ -701,7 +701,9 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
 }
 
 /* A point is drawn back by so many error bounds.  That takes it two bounds away
- * from a second surface there that the ray meets 60 degrees off its normal. */
+ * from a second surface there that the ray meets 60 degrees off its normal.
+ * Where that is farther than the ray came, from the wall beside it in a corner,
+ * the point stays on the ray: behind its origin a third wall may be near. */
 #define DRAWN_BACK 4
 
 void
@@ -713,8 +715,10 @@ rad_geom_leave(const struct rad_hit *hit, const double dir[3], double org[3])
     for (int k = 0; k < 3; k++)
         way[k] = (double)hit->way[k];
     if (side * rad_dot(hit->n, way) < 0) {
-        rad_madd(org, org, -DRAWN_BACK * hit->err, way);
-        off += DRAWN_BACK * hit->err;
+        double back = rad_least(DRAWN_BACK * hit->err, hit->t);
+
+        rad_madd(org, org, -back, way);
+        off += back;
     }
     /* Two bounds: one to be on dir's side wherever the surface really is, one
      * to outweigh the rounding of the new ray's own test against the

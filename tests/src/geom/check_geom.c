@@ -199,6 +199,81 @@ LOOP_TEST(closed_mesh_does_not_leak, N_ELEM(mesh_place))
     ck_assert_int_eq(leaks, 0);
 }
 
+/* A box of half size `size` about c. */
+static void
+box_make(double size, const double c[3])
+{
+    static const int turn[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+
+    for (int f = 0; f < 6; f++) {
+        double face[12];
+        int axis = f / 2;
+
+        for (int i = 0; i < 4; i++) {
+            double *v = face + 3 * i;
+
+            v[axis] = c[axis] + (f % 2 ? size : -size);
+            for (int k = 0; k < 2; k++) {
+                int other = (axis + 1 + k) % 3;
+
+                v[other] = c[other] + (turn[i][k] ? size : -size);
+            }
+        }
+        geom_scene_add(&g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, face, 12);
+    }
+}
+
+/* A ray in the box to a corner, or every fourth to an edge. */
+static struct rad_span
+ray_to_corner(uint64_t key, double size, const double c[3])
+{
+    struct rad_span s = { .tmin = 0, .tmax = INFINITY };
+    uint32_t along = (uint32_t)(8 * rad_rand(key, 8));
+
+    for (uint32_t k = 0; k < 3; k++) {
+        double to = rad_rand(key, k) < .5 ? -1 : 1;
+
+        if (k == along / 2 && along % 2)
+            to = geom_rand(key, 6, -1, 1);
+        s.org[k] = c[k] + size * geom_rand(key, 3 + k, -.5, .5);
+        s.dir[k] = c[k] + size * to - s.org[k];
+    }
+    rad_normalize(s.dir);
+    return s;
+}
+
+/* At a corner a path meets the walls again and again, after next to no way. */
+LOOP_TEST(paths_from_corners_do_not_leak, N_ELEM(mesh_place))
+{
+    double size = mesh_place[_i].size, off = mesh_place[_i].offset;
+    const double c[3] = { off, off, -off };
+    int leaks = 0;
+
+    geom_scene_init(&g, 6, 72);
+    box_make(size, c);
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < 20000; i++) {
+        uint64_t key = rad_key_branch(10, i);
+        struct rad_span s = ray_to_corner(key, size, c);
+
+        for (uint32_t n = 0; n < 4; n++) {
+            struct rad_hit hit;
+            double cos_i;
+
+            if (!rad_geom_nearest(geom, &s, &hit, &counts)) {
+                leaks++;
+                break;
+            }
+            cos_i = rad_dot(s.dir, hit.n);
+            geom_rand_dir(key, 10 + 2 * n, s.dir);
+            if (cos_i * rad_dot(s.dir, hit.n) > 0)
+                rad_scale(s.dir, -1, s.dir);
+            rad_geom_leave(&hit, s.dir, s.org);
+        }
+    }
+    ck_assert_int_eq(leaks, 0);
+}
+
 /* A square with a square hole, joined by a seam as Radiance's scenes do. */
 TEST(seam_makes_a_hole)
 {
