@@ -65,24 +65,21 @@ least_cost(const double *cost, uint32_t n)
 }
 
 void
-partition_set_costs(struct partition *p, const double *cost)
+partition_set_costs(struct partition *p, double *cost)
 {
     uint32_t n = partition_parts(p);
     double least = least_cost(cost, n);
-    double *v = malloc(n * sizeof *v);
 
-    if (!v)
-        return; /* go on without the estimate */
     p->cost_total = 0;
     for (uint32_t i = 0; i < n; i++) {
-        v[i] = cost[i] > least ? cost[i] : least;
-        p->cost_total += v[i];
+        if (!(cost[i] > least))
+            cost[i] = least;
+        p->cost_total += cost[i];
     }
     if (p->lines)
-        lines_set_costs(p, v);
+        lines_set_costs(p, cost);
     else
-        window_set_costs(p, v);
-    free(v);
+        window_set_costs(p, cost);
 }
 
 /* Set costs as given, or by lines' pixels; windows have theirs by pixels

@@ -76,8 +76,9 @@ uint32_t partition_parts(const struct partition *p);
 void partition_part(const struct partition *p, uint32_t part,
                     struct partition_area *area);
 
-/* Estimated costs of all parts, before any unit went out. */
-void partition_set_costs(struct partition *p, const double *cost);
+/* Estimated costs of all parts, before any unit went out; costs that are too
+ * small are raised. */
+void partition_set_costs(struct partition *p, double *cost);
 
 /* Static: give workers their runs, by the speeds of those that take part from
  * the start; speed[] is by the worker's number, 0: it does not take part.

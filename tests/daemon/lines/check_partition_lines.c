@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "partition/partition.h"
+#include "tests/scarce.h"
 #include "tests/unit.h"
 
 #include <string.h>
@@ -92,6 +93,23 @@ TEST(lines_are_base_lines_with_the_bar_above)
     ck_assert(a.frame == 1 && a.y == 1 && a.height == 3 && a.width == 40);
     ck_assert_double_eq(partition_cost_total(p), 2 * 40 * 61);
     ck_assert_uint_eq(partition_line_unit(p, 0, 3), PARTITION_NONE);
+    partition_free(p);
+}
+
+/* Without memory there is no partition, or lines have their costs. */
+TEST(lines_have_costs_whatever_allocation_fails)
+{
+    struct partition_spec spec = lines_spec(MSG_PART_AUTO, 1);
+    struct partition *p;
+    long n = 0;
+
+    do {
+        scarce_at = ++n;
+        p = partition_new(&spec, NULL);
+    } while (!p);
+    ck_assert(n > 1 || RAD_SANITIZED);
+    scarce_at = 0;
+    ck_assert_double_eq(partition_cost_total(p), 40 * 61);
     partition_free(p);
 }
 
