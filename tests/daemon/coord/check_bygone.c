@@ -79,8 +79,7 @@ TEST(jobs_that_are_over_stand_behind_the_others)
     ck_assert_uint_eq(f.c->nopen, 4);
     for (size_t i = 0; i < 8; i++)
         ck_assert(job_over(f.c->jobs[i]) == (i >= 4));
-    for (size_t i = 1; i < 4;
-         i++) { /* the begun jobs first, then those queued */
+    for (size_t i = 1; i < 4; i++) { /* the begun jobs, then those queued */
         const struct job *a = f.c->jobs[i - 1], *b = f.c->jobs[i];
 
         ck_assert(a->rank < b->rank ||
