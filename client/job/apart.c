@@ -77,8 +77,8 @@ check_name(const char *option, const char *path, const struct inputs *in,
 
     if (!what)
         return 0;
-    return rad_fail(err, RAD_EUSAGE, "'%s' is %s: %s would take its place",
-                    path, what, option);
+    return rad_fail(err, RAD_EUSAGE, "'%s' is %s: %s would change it", path,
+                    what, option);
 }
 
 static int

@@ -94,7 +94,7 @@ submit()
     cp $room scene.amb
     expect 65 'scene.amb: not a file of ambient records' 'no records' \
         "$radsubmit" $view -af scene.amb -o x.hdr $room
-    expect 64 'is the scene: -af would take its place' 'the scene' \
+    expect 64 'is the scene: -af would change it' 'the scene' \
         "$radsubmit" $view -af $room -o x.hdr $room
     expect 73 "no-folder/x.amb" 'no folder' \
         "$radsubmit" $view -af no-folder/x.amb -o x.hdr $room
