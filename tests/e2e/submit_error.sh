@@ -41,24 +41,32 @@ look "-ab 1 -aa .15 -ar 64 -ad 512 -as 0"
 awk -v a="$ambient" -v b="$coarse" 'BEGIN { exit !(a > 0 && a < .5 * b) }' ||
     fail "ambient $coarse, and with a better cache still $ambient"
 
-# what -ab leaves out is told: here a fifth of the light, and more bounces bring it
-cat >white.rad <<'EOF'
+# Does the picture with -ab 3 tell what it leaves out, and do more bounces bring
+# it?
+look_beyond() # REFLECTANCE
+{
+    cat >walls.rad <<EOF
 void light lamp 0 0 3 30 30 30
 lamp polygon panel 0 0 12 2 2 2.9  2 2.5 2.9  2.5 2.5 2.9  2.5 2 2.9
-void plastic white 0 0 5 .7 .7 .7 0 0
-white bubble room 0 0 4 2 2 1.5 2.5
+void plastic paint 0 0 5 $1 0 0
+paint bubble room 0 0 4 2 2 1.5 2.5
 EOF
+    for bounces in 3 20; do
+        # shellcheck disable=SC2086 # options are words
+        "$radsubmit" --local --threads=1 --stats=$bounces.json $few \
+            -ab $bounces -lr 40 -o $bounces.hdr walls.rad 2>$bounces.err ||
+            fail "$(cat $bounces.err)"
+    done
+    said=$(estimate 3.json left_out)
+    real=$("$raderr" -1 3.hdr 20.hdr | awk '{ print 1 - $2 }')
+    awk -v a="$said" -v b="$real" 'BEGIN { exit !(a > b / 1.5 && a < 1.5 * b) }' ||
+        fail "$1: -ab 3 leaves out $real of the light, and $said is told"
+}
 few="-vp 1 1 1.6 -vd 1 .8 -.1 -vh 80 -vv 60 -x 120 -y 90 -aa .3 -ar 32 -ad 128"
-for bounces in 3 20; do
-    # shellcheck disable=SC2086 # options are words
-    "$radsubmit" --local --threads=1 --stats=$bounces.json $few -ab $bounces \
-        -lr 40 -o $bounces.hdr white.rad 2>$bounces.err ||
-        fail "$(cat $bounces.err)"
-done
-said=$(estimate 3.json left_out)
-real=$("$raderr" -1 3.hdr 20.hdr | awk '{ print 1 - $2 }')
-awk -v a="$said" -v b="$real" 'BEGIN { exit !(a > b / 1.5 && a < 1.5 * b) }' ||
-    fail "-ab 3 leaves out $real of the light, and $said is told"
+
+# of red walls' light it is half, of white ones' a fifth
+look_beyond ".9 .1 .1"
+look_beyond ".7 .7 .7"
 grep -q "^radsubmit: done in .* %; -ab 3 leaves out about [0-9.]* % of the " \
     3.err || fail "of what -ab leaves out the last line says: $(cat 3.err)"
 ! grep -q 'leaves out' 20.err || fail "-ab 20: $(cat 20.err)"

@@ -242,11 +242,9 @@ bounces(const struct rad_ray *r)
 static double
 through(const struct rad_ray *r, struct rad_rgb L)
 {
-    double lum = rad_rgb_lum(L);
-
     for (; r; r = r->parent)
-        lum *= rad_rgb_lum(r->coef);
-    return lum;
+        L = rad_rgb_mul(L, r->coef);
+    return rad_rgb_lum(L);
 }
 
 /* Are records of the place's level made now?  In a frozen cache each level has
