@@ -11,7 +11,6 @@
 #include "base/vec.h"
 #include "trace/asks.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Beyond this optical depth the transmittance is 0: exp(-92) times any sensible
@@ -116,13 +115,17 @@ begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
     return r->weight > 0;
 }
 
-/* Is r within the limits of -lw and -lr? */
+/* Is r within the limits of -lw and -lr?  With roulette (-lr 0 or less) -lw is
+ * none: a ray with a coefficient plays for it, and another goes as far as the
+ * ray that it goes on from. */
 static bool
-goes_far_enough(const struct rad_params *p, const struct rad_ray *r)
+is_within_limits(const struct rad_params *p, const struct rad_ray *r)
 {
     if (r->path & RAD_RAY_SHADOW) /* no limit applies to shadow rays */
         return true;
-    return r->weight >= p->minweight && r->level <= abs(p->maxdepth);
+    if (p->maxdepth <= 0)
+        return p->maxdepth == 0 || r->level <= -p->maxdepth;
+    return r->weight >= p->minweight && r->level <= p->maxdepth;
 }
 
 bool
@@ -135,13 +138,12 @@ rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
 
     if (!begin(ctx, r, kind, parent, coef, branch))
         return false;
-    whole = WHOLE_SHARE * r->sample;
+    if (!is_within_limits(p, r))
+        return false;
     if (!coef || (r->path & RAD_RAY_SHADOW))
-        return goes_far_enough(p, r);
-    if (p->maxdepth > 0)
-        return goes_far_enough(p, r) && roulette(r, whole);
-    return (p->maxdepth == 0 || r->level <= -p->maxdepth) &&
-           roulette(r, rad_most(p->minweight, whole));
+        return true;
+    whole = WHOLE_SHARE * r->sample;
+    return roulette(r, p->maxdepth > 0 ? whole : rad_most(p->minweight, whole));
 }
 
 bool
@@ -156,7 +158,7 @@ rad_ray_go_on(const struct rad_ctx *ctx, struct rad_ray *r)
     r->tmax -= r->hit.t;
     r->coef = rad_grey(1);
     r->weight *= medium_weight(r);
-    return r->weight > 0 && goes_far_enough(&ctx->job->params, r);
+    return r->weight > 0 && is_within_limits(&ctx->job->params, r);
 }
 
 void

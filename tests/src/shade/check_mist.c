@@ -68,6 +68,23 @@ TEST(pattern_scales_the_extinction)
     near(down(0, 5), 7 * exp(-.1 * 2));
 }
 
+/* A ray that goes straight on has no weight of its own to play for. */
+static const char *const roulette[] = { "-lr 0 -lw .001", "-lr 0 -lw .5",
+                                        "-lr -3 -lw .5" };
+
+#define MIRROR                                                                 \
+    "void mirror m 0 0 3 .8 .8 .8\nm ring above 0 0 8 0 0 9 0 0 -1 0 5\n"
+
+LOOP_TEST(roulette_ends_no_ray_in_a_layer, N_ELEM(roulette))
+{
+    static const char scene[] =
+        WALL MIRROR "void mist fog 0 0 3 .5 .5 .5\n" LAYER("fog", "1", "3")
+            "void antimatter clear 1 void 0 0\n" LAYER("clear", "4", "5");
+
+    world_open(&w, scene, roulette[_i]);
+    near(world_see(&w, 0, 0, 6, 0, 0, 1).r, .8 * 7 * exp(-.5 * 2));
+}
+
 /* What is scattered of the ambient value replaces what is lost: with an albedo
  * of 1 in an even surrounding nothing shows. */
 TEST(ambient_value_is_scattered_in)
