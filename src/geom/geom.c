@@ -700,28 +700,32 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
     return true;
 }
 
-/* A point is drawn back by so many error bounds.  That takes it two bounds away
- * from a second surface there that the ray meets 60 degrees off its normal.
- * Where that is farther than the ray came, from the wall beside it in a corner,
- * the point stays on the ray: behind its origin a third wall may be near. */
+/* A point is drawn back along the ray that hit until it is so many error bounds
+ * in front of the surface, but at most by RAD_GEOM_BACK, and not behind the
+ * ray's origin: in a corner another wall may be near behind that.  It is moved
+ * along the normal only by the part of two bounds that is lacking then: at an
+ * edge of less than 90 degrees the normal leads out through the other wall. */
 #define DRAWN_BACK 4
 
 void
 rad_geom_leave(const struct rad_hit *hit, const double dir[3], double org[3])
 {
-    double side = rad_dot(hit->n, dir), way[3], off = hit->err;
+    double side = rad_dot(hit->n, dir), way[3], cos_i, off = 2 * hit->err;
 
     rad_copy(org, hit->p);
     for (int k = 0; k < 3; k++)
         way[k] = (double)hit->way[k];
-    if (side * rad_dot(hit->n, way) < 0) {
-        double back = rad_least(DRAWN_BACK * hit->err, hit->t);
+    cos_i = rad_dot(hit->n, way);
+    if (side * cos_i < 0) {
+        double most = rad_least(RAD_GEOM_BACK * hit->err, hit->t);
+        double back = rad_least(DRAWN_BACK * hit->err / fabs(cos_i), most);
 
         rad_madd(org, org, -back, way);
-        off += back;
+        off -= back * fabs(cos_i);
     }
     /* Two bounds: one to be on dir's side wherever the surface really is, one
      * to outweigh the rounding of the new ray's own test against the
      * surface. */
-    rad_madd(org, org, copysign(2 * off, side), hit->n);
+    if (off > 0)
+        rad_madd(org, org, copysign(off, side), hit->n);
 }

@@ -169,13 +169,14 @@ bool rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
                          const struct rad_span *span, struct rad_hit *hit,
                          struct rad_geom_counts *counts);
 
-/* The origin of a ray that leaves the surface at hit in direction dir.  It is
- * the point moved along the normal, to dir's side, by twice its error bound:
- * once for the unknown place of the surface, once for the rounding of the next
- * test.  If dir leads back to the side that the ray of the hit came from, the
- * point is first drawn back along that ray by a few bounds, at most to the
- * ray's origin.  So at an edge where surfaces meet, the new ray starts in front
- * of all of them and does not slip out between them. */
+/* The origin of a ray that leaves the surface at hit in direction dir: at least
+ * two error bounds off the surface, on dir's side, once for the unknown place
+ * of the surface, once for the rounding of the next test.  If dir leads back to
+ * the side that the ray of the hit came from, the point is drawn back along
+ * that ray, on which nothing was in the way; else, and where the ray comes all
+ * but along the surface, it is moved along the normal.  So at an edge where
+ * surfaces meet, the new ray starts in front of all of them and does not slip
+ * out between them. */
 void rad_geom_leave(const struct rad_hit *hit, const double dir[3],
                     double org[3]);
 

@@ -122,7 +122,8 @@ rad_polygon_lay(struct rad_prim *p, double *to)
 
 /* Rays that leave the face begin by rounding beyond its plane, and no farther
  * from the box than the face's hit points, which have been moved onto the plane
- * along the normal. */
+ * along the normal, and drawn back: the error bound of a hit is below twice the
+ * face's slack. */
 double
 rad_warped_depth(const struct rad_prim *p, const struct rad_probe *r,
                  double tmin, double s)
@@ -130,10 +131,11 @@ rad_warped_depth(const struct rad_prim *p, const struct rad_probe *r,
     const struct rad_warp *warp = rad_polygon_warp(p);
     const double *lo = warp->box.lo, *hi = warp->box.hi;
     double enter = -INFINITY, leave = INFINITY;
+    double off = 2 * (warp->most + RAD_GEOM_BACK * (double)p->slack);
     bool here = s <= tmin;
 
     for (int i = 0; i < 3; i++) {
-        double at = r->org[i] + tmin * r->dir[i], off = 2 * warp->most;
+        double at = r->org[i] + tmin * r->dir[i];
         double a = (lo[i] - r->org[i]) * r->rcp[i];
         double b = (hi[i] - r->org[i]) * r->rcp[i];
 

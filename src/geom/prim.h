@@ -30,6 +30,10 @@
 
 #define RAD_GEOM_ROUND 0x1p-50
 
+/* The start of a ray that leaves a hit lies at most so many of its error bounds
+ * back on the ray that hit: rad_geom_leave(). */
+#define RAD_GEOM_BACK 64
+
 /* Coordinates must be below this: beyond it slack leaves the range of float,
  * and soon products the range of double. */
 #define RAD_GEOM_MOST 0x1p+170

@@ -199,9 +199,16 @@ LOOP_TEST(closed_mesh_does_not_leak, N_ELEM(mesh_place))
     ck_assert_int_eq(leaks, 0);
 }
 
-/* A box of half size `size` about c. */
+/* Lean p over: `lean` along x for each step along y from c. */
 static void
-box_make(double size, const double c[3])
+lean_over(double lean, const double c[3], double p[3])
+{
+    p[0] += lean * (p[1] - c[1]);
+}
+
+/* A box of half size `size` about c, leaning over. */
+static void
+box_make(double size, double lean, const double c[3])
 {
     static const int turn[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
 
@@ -218,6 +225,7 @@ box_make(double size, const double c[3])
 
                 v[other] = c[other] + (turn[i][k] ? size : -size);
             }
+            lean_over(lean, c, v);
         }
         geom_scene_add(&g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, face, 12);
     }
@@ -225,8 +233,9 @@ box_make(double size, const double c[3])
 
 /* A ray in the box to a corner, or every fourth to an edge. */
 static struct rad_span
-ray_to_corner(uint64_t key, double size, const double c[3])
+ray_to_corner(uint64_t key, double size, double lean, const double c[3])
 {
+    double corner[3];
     struct rad_span s = { .tmin = 0, .tmax = INFINITY };
     uint32_t along = (uint32_t)(8 * rad_rand(key, 8));
 
@@ -236,25 +245,32 @@ ray_to_corner(uint64_t key, double size, const double c[3])
         if (k == along / 2 && along % 2)
             to = geom_rand(key, 6, -1, 1);
         s.org[k] = c[k] + size * geom_rand(key, 3 + k, -.5, .5);
-        s.dir[k] = c[k] + size * to - s.org[k];
+        corner[k] = c[k] + size * to;
     }
+    lean_over(lean, c, corner);
+    lean_over(lean, c, s.org);
+    rad_sub(s.dir, corner, s.org);
     rad_normalize(s.dir);
     return s;
 }
 
+static const double leans[] = { 0, .2, .5, 1 }; /* edges of 45 degrees */
+
 /* At a corner a path meets the walls again and again, after next to no way. */
-LOOP_TEST(paths_from_corners_do_not_leak, N_ELEM(mesh_place))
+LOOP_TEST(paths_from_corners_do_not_leak, N_ELEM(mesh_place) * N_ELEM(leans))
 {
-    double size = mesh_place[_i].size, off = mesh_place[_i].offset;
+    int place = _i / N_ELEM(leans);
+    double size = mesh_place[place].size, off = mesh_place[place].offset;
+    double lean = leans[_i % N_ELEM(leans)];
     const double c[3] = { off, off, -off };
     int leaks = 0;
 
     geom_scene_init(&g, 6, 72);
-    box_make(size, c);
+    box_make(size, lean, c);
     geom = geom_scene_compile(&g);
-    for (uint64_t i = 0; i < 20000; i++) {
+    for (uint64_t i = 0; i < 5000; i++) {
         uint64_t key = rad_key_branch(10, i);
-        struct rad_span s = ray_to_corner(key, size, c);
+        struct rad_span s = ray_to_corner(key, size, lean, c);
 
         for (uint32_t n = 0; n < 4; n++) {
             struct rad_hit hit;
