@@ -29,10 +29,7 @@
 #include <stdint.h>
 
 #define RAD_GEOM_ROUND 0x1p-50
-
-/* The start of a ray that leaves a hit lies at most so many of its error bounds
- * back on the ray that hit: rad_geom_leave(). */
-#define RAD_GEOM_BACK 64
+#define RAD_GEOM_BACK  64 /* most bounds of a hit's error: rad_geom_leave() */
 
 /* Coordinates must be below this: beyond it slack leaves the range of float,
  * and soon products the range of double. */
