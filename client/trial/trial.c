@@ -184,7 +184,7 @@ try_pixels(struct trial *t, struct stand *s, const struct trial_effort *e,
     return rc < 0 ? rc : keep_records(s, true, err);
 }
 
-/* The part of a window that is sampled more densely than the rest of a picture,
+/* The part of a window that is sampled as densely as the top of a picture,
  * because nothing is known of the lines above: its upper half, with whole bars.
  */
 static struct rad_window
@@ -208,14 +208,26 @@ whole_steps(int most, int side, int step)
 }
 
 /* The pixels that the samples of a window stand for: it has a first and a last
- * column of samples; a picture's windows would share them. */
+ * column of samples, and windows beside each other would share them. */
 static double
 pixels_of(const struct rad_frame *f, const struct rad_window *w)
 {
     int xstep, ystep;
 
     rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
-    return (w->width + .5 * (xstep - 1)) * w->height;
+    return (w->width + (w->width < f->width ? .5 * (xstep - 1) : 0)) *
+           w->height;
+}
+
+/* The part of the samples in a window's upper half that is usual: a picture has
+ * a top as dense once, above as many windows as it is high. */
+static double
+usual_share(const struct rad_frame *f, const struct rad_window *w,
+            const struct rad_window *upper)
+{
+    return upper->height < w->height ? (double)(w->height - upper->height) /
+                                           (f->height - upper->height)
+                                     : 1;
 }
 
 /* Trace the upper half of a window again, with all records in the cache. */
@@ -225,17 +237,16 @@ again(struct trial *t, struct stand *s, const struct rad_window *w,
 {
     struct rad_counts before = s->ctx.counts;
     struct rad_window upper = dense_part(&s->frame, w);
-    double begin = cpu_seconds(), primary;
+    double begin = cpu_seconds(), primary, unusual;
     int rc = rad_frame_window(&s->frame, &s->ctx, &upper, rows);
 
     primary = (double)(s->ctx.counts.primary_rays - before.primary_rays);
     t->again_cpu_s += cpu_seconds() - begin;
     t->again_primary += primary;
     t->again_rays += (double)(s->ctx.counts.rays - before.rays);
-    if (upper.height < w->height) {
-        t->usual_pixels -= pixels_of(&s->frame, &upper);
-        t->usual_primary -= primary;
-    }
+    unusual = 1 - usual_share(&s->frame, w, &upper);
+    t->usual_pixels -= unusual * pixels_of(&s->frame, &upper);
+    t->usual_primary -= unusual * primary;
     s->ctx.counts = before;
     return rc;
 }

@@ -26,8 +26,8 @@ struct trial {
      * upper halves, when all records that they need exist */
     double pixels, primary, rays, cpu_s, records;
     double again_primary, again_rays, again_cpu_s;
-    /* of their lower halves, or of all if they are low: where as many pixels
-     * are traced as in the picture */
+    /* of their lower halves, and of the upper ones as much as the picture has
+     * such a top: there as many pixels are traced as in the picture */
     double usual_pixels, usual_primary;
     double look_cpu_s; /* for making some pixels of the windows again */
     struct rad_doubt doubt; /* sums over these pixels */

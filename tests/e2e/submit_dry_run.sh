@@ -44,6 +44,18 @@ check_close ambient_values
 needs=$(sed -n '/"needs"/,/]/p' dry.json)
 [ "$needs" = "$(sed -n '/"needs"/,/]/p' real.json)" ] || fail "other needs"
 
+# a small picture is tried as a whole
+small="-vf $scenes/room.vf -pa 0 -x 40 -y 40 -ab 0"
+# shellcheck disable=SC2086
+{
+    "$radsubmit" --dry-run --stats=dry.json $small "$room" >said &&
+        "$radsubmit" --local --stats=real.json $small -o real.hdr "$room" \
+            2>err || fail "a small picture: $(cat err)"
+}
+awk -v a="$(number primary_rays dry.json)" \
+    -v b="$(number primary_rays real.json)" 'BEGIN { exit a != b }' ||
+    fail "of a small picture: $(grep primary_rays dry.json real.json)"
+
 # a cache with large hemispheres, which find the sun's patch on the floor: the
 # trial's is as good as the job's
 cat >gap.rad <<'EOF'
