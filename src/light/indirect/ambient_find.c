@@ -320,6 +320,7 @@ search_all(struct search *s)
     if (!near && s->reach < reach && s->weight < ENOUGH_WEIGHT) {
         s->share = 1 - s->weight / ENOUGH_WEIGHT;
         s->reach = reach;
+        s->serves = 0; /* these records are found again */
         search_once(s, &q);
     }
 }
