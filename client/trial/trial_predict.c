@@ -2,12 +2,10 @@
  *
  * A pixel costs its rays and, until the cache is full, ambient records: the
  * first pixels of a picture take a hundred times as long as the last.  With t
- * the time (or the rays), n pixels and R records, t = a n + b R.  Here b is
- * fitted to the doublings of strewn pixels.  a is taken from windows, where the
- * sampler chooses the pixels and most records that they need exist.  Each
- * window is traced twice, the second time its upper half alone: that makes no
- * records, so it tells a by itself where a short trial has too few windows and
- * pixels to tell a and b apart.
+ * the time (or the rays), n pixels and R records, t = a n + b R.  a is taken
+ * from windows, where the sampler chooses the pixels, as they are traced a
+ * second time, their upper half alone: that makes no records.  b is what is
+ * left of the first time.
  * The number of records grows evenly with the logarithm of the pixels once
  * every surface has some, for each doubling asks for records between those.
  * This was measured on an office, a drafting room and a box, from 256 pixels to
@@ -27,58 +25,6 @@
  * were not tried make a few more. */
 static const double RARE = 1.2;
 
-/* Time or rays t of the strewn pixels are taken to be a n + b R, of n pixels
- * and R records, by least squares over the increments of each doubling,
- * relative to their size.  The first increment, which fills the cache, is left
- * out if there are others. */
-struct sums {
-    double nn, nr, rr, nt, rt;
-};
-
-static struct sums
-sum_steps(const struct trial *t, bool time)
-{
-    struct sums m = { 0 };
-
-    for (int i = t->nsteps > 3 ? 1 : 0; i < t->nsteps; i++) {
-        struct trial_step zero = { 0, 0, 0, 0 };
-        const struct trial_step *s = &t->step[i], *p = i ? s - 1 : &zero;
-        double n = s->pixels - p->pixels, r = s->records - p->records;
-        double y = time ? s->cpu_s - p->cpu_s : s->rays - p->rays;
-        double w = y > 0 ? 1 / (y * y) : 0;
-
-        m.nn += w * n * n;
-        m.nr += w * n * r;
-        m.rr += w * r * r;
-        m.nt += w * n * y;
-        m.rt += w * r * y;
-    }
-    return m;
-}
-
-struct fit {
-    double a, b;
-};
-
-static struct fit
-fit_steps(const struct trial *t, bool time)
-{
-    struct sums m = sum_steps(t, time);
-    double det = m.nn * m.rr - m.nr * m.nr;
-    struct fit f = { 0, 0 };
-
-    if (det > 1e-9 * m.nn * m.rr) {
-        f.a = (m.nt * m.rr - m.rt * m.nr) / det;
-        f.b = (m.rt * m.nn - m.nt * m.nr) / det;
-    }
-    if (!(f.a > 0 && f.b > 0)) {
-        /* charge all to records, or to pixels if there are no records */
-        f.a = m.rr > 0 ? 0 : m.nn > 0 ? m.nt / m.nn : 0;
-        f.b = m.rr > 0 ? m.rt / m.rr : 0;
-    }
-    return f;
-}
-
 /* Time or rays of a pixel whose records exist. */
 static double
 cost_of_pixel(const struct trial *t, bool time)
@@ -86,16 +32,6 @@ cost_of_pixel(const struct trial *t, bool time)
     double sum = time ? t->again_cpu_s : t->again_rays;
 
     return t->again_primary > 0 ? sum / t->again_primary : 0;
-}
-
-/* Time or rays of a record if a pixel takes a: b for that a. */
-static double
-cost_of_record(const struct trial *t, bool time, double a)
-{
-    struct sums m = sum_steps(t, time);
-    double rt = m.rt - a * m.nr;
-
-    return m.rr > 0 && rt > 0 ? rt / m.rr : 0;
 }
 
 /* How many records each further doubling of the pixels makes. */
@@ -140,55 +76,27 @@ records_to_come(const struct trial *t, double pixels, double primary)
     return more;
 }
 
+/* What pixels took but for a each: for their records. */
 static double
-field(const struct trial_step *s, bool time)
+rest(double all, double pixels, double a)
 {
-    return time ? s->cpu_s : s->rays;
+    return fmax(all - a * pixels, 0);
 }
 
-/* Time or rays of a strewn pixel, of a primary ray of the picture and of a
- * record. */
-struct price {
-    double strewn, primary, record;
-};
-
-/* Prices from many windows: their first tracing less its records.  So records
- * that come faster than the strewn pixels tell are included. */
-static struct price
-price_by_windows(const struct trial *t, bool time)
-{
-    struct fit f = fit_steps(t, time);
-    double windows = (time ? t->cpu_s : t->rays) - f.b * t->records;
-    double a = t->primary > 0 ? windows / t->primary : 0;
-
-    if (!(a > .2 * f.a))
-        a = .2 * f.a; /* windows that made little but records */
-    return (struct price){ f.a, a, f.b };
-}
-
-/* Prices from few windows: their second tracing, for most records of the first
- * one would be shared with neighbouring windows. */
-static struct price
-price_by_second_time(const struct trial *t, bool time)
-{
-    double a = cost_of_pixel(t, time);
-
-    return (struct price){ a, a, cost_of_record(t, time, a) };
-}
-
-/* Time or rays of the picture: the records that were made and those to come,
- * and pixels as in the windows. */
+/* Time or rays of the picture: of its pixels, of the records that the strewn
+ * pixels made, and of those to come, as in the windows. */
 static double
 total(const struct trial *t, bool time, double primary, double more_records)
 {
-    const double MANY = 5000; /* primary rays in windows, at least */
     const struct trial_step *last = &t->step[t->nsteps - 1];
-    struct price p = t->primary < MANY ? price_by_second_time(t, time)
-                                       : price_by_windows(t, time);
-    double strewn = field(last, time) - p.strewn * last->pixels;
-    double records = (strewn > 0 ? strewn : 0) + p.record * more_records;
+    double a = cost_of_pixel(t, time);
+    double made = rest(time ? last->cpu_s : last->rays, last->pixels, a);
+    double in_windows = rest(time ? t->cpu_s : t->rays, t->primary, a);
+    double b = t->records > 0      ? in_windows / t->records
+               : last->records > 0 ? made / last->records
+                                   : 0;
 
-    return RARE * records + p.primary * primary;
+    return a * primary + RARE * (made + b * more_records);
 }
 
 void

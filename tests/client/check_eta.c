@@ -224,6 +224,8 @@ tried(double r64, double r128, double r256)
                        .usual_pixels = 1000,
                        .usual_primary = 1000,
                        .records = 100,
+                       .rays = 15000,
+                       .cpu_s = .15,
                        .again_primary = 1000,
                        .again_rays = 5000,
                        .again_cpu_s = .05 };
@@ -246,6 +248,33 @@ TEST(records_grow_with_each_doubling)
                             1.2 * (1200 + 100 * log2(1e5 / 256)), 1);
     ck_assert_double_eq_tol(p.rays, 5e5 + 100 * p.ambient_values, 200);
     ck_assert_double_eq_tol(p.cpu_s, p.rays * 1e-5, 1e-2);
+}
+
+/* Windows that met no place without a record leave the price to the strewn
+ * pixels. */
+TEST(records_have_a_price_without_windows)
+{
+    struct trial t = tried(1000, 1100, 1200);
+    struct prediction p;
+
+    t.records = 0;
+    t.rays = 5000;
+    t.cpu_s = .05;
+    trial_predict(&t, 1e5, &p);
+    ck_assert_double_eq_tol(p.rays, 5e5 + 100 * p.ambient_values, 200);
+}
+
+/* A record of the windows' takes ten times as long as one of the strewn pixels,
+ * and a pixel as long as when windows are traced again. */
+TEST(further_records_cost_what_they_do_in_windows)
+{
+    struct trial t = tried(1000, 1100, 1200);
+    struct prediction p;
+
+    t.rays = 105000;
+    trial_predict(&t, 1e5, &p);
+    ck_assert_double_eq_tol(
+        p.rays, 5e5 + 1.2 * (1200 * 100 + 100 * log2(1e5 / 256) * 1000), 200);
 }
 
 /* The upper halves of windows are sampled more densely than the picture is. */
