@@ -190,7 +190,8 @@ else
 fi
 
 # one that an older or a newer release made is not damaged, and stays as it is
-for version in 4 6; do
+schema=$(od -An -tu1 -j63 -N1 state/radcoord.db)
+for version in $((schema - 1)) $((schema + 1)); do
     set_version $version
     cp state/radcoord.db before.db
     says_version()
