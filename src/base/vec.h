@@ -13,6 +13,13 @@ rad_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* The size of v along n, each axis by itself. */
+static inline double
+rad_dot_sizes(const double n[3], const double v[3])
+{
+    return fabs(n[0] * v[0]) + fabs(n[1] * v[1]) + fabs(n[2] * v[2]);
+}
+
 static inline void
 rad_copy(double d[3], const double a[3])
 {

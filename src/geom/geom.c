@@ -439,18 +439,17 @@ struct contest {
     double first, end;   /* the nearest hit, and where its ties end */
 };
 
-/* Is met the front of a lamp that may be in one plane with the nearest hit?
- * Frozen octrees keep 31 bits of a coordinate, xform writes 12 digits. */
+/* Is met the front of a lamp that may be in one plane with the nearest hit? */
 static bool
 is_flush_lamp(const struct contest *c, const struct rad_met *met,
               const struct rad_walk *w)
 {
-    const double *n = met->hit.n, *p = met->hit.p;
+    const double *n = met->hit.n;
     double slope = -rad_dot(n, w->probe.dir);
-    double size = fabs(n[0] * p[0]) + fabs(n[1] * p[1]) + fabs(n[2] * p[2]);
+    double gap = RAD_GEOM_FLUSH * rad_dot_sizes(n, met->hit.p);
 
     return met->surf & RAD_SURF_LAMP && slope > 0 &&
-           (met->hit.t - c->first) * slope < 0x1p-28 * size;
+           (met->hit.t - c->first) * slope < gap;
 }
 
 static void

@@ -32,6 +32,10 @@ enum {
     RAD_SURF_LAMP = 32        /* gives light */
 };
 
+/* Two surfaces that are meant to be flush may be apart by this part of their
+ * coordinates: frozen octrees keep 31 bits of these, xform writes 12 digits. */
+#define RAD_GEOM_FLUSH 0x1p-28
+
 /* A stretch of a line: p(t) = org + t*dir, tmin < t < tmax. */
 struct rad_span {
     double org[3];

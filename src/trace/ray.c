@@ -538,13 +538,6 @@ largest(const double p[3])
     return rad_most(fabs(p[0]), rad_most(fabs(p[1]), fabs(p[2])));
 }
 
-/* The size of v along n, each axis by itself. */
-static double
-size_along(const double n[3], const double v[3])
-{
-    return fabs(n[0] * v[0]) + fabs(n[1] * v[1]) + fabs(n[2] * v[2]);
-}
-
 /* How far the numbers of the surface that was hit may be off: by their rounding
  * to six digits, or if they have fewer digits, by what a frozen octree keeps of
  * them.  Of a surface in a copy they are not known. */
@@ -584,9 +577,9 @@ step_off(struct rad_ctx *ctx, const double n[3], double p[3])
     extent = sqrt(rad_dot(all, all));
     rad_copy(span.org, p);
     rad_copy(span.dir, n);
-    span.tmax =
-        WRITTEN *
-        rad_least(rad_most(size_along(n, p), size_along(n, all) / 10), extent);
+    span.tmax = WRITTEN * rad_least(rad_most(rad_dot_sizes(n, p),
+                                             rad_dot_sizes(n, all) / 10),
+                                    extent);
     if (rad_geom_nearest(geom, &span, &met, &ctx->counts.geom) &&
         met.t < ON_SURFACE * rad_geom_size(geom, &met) &&
         met.t < WRITTEN * far + left_open(ctx->job->scene, &met)) {

@@ -73,8 +73,8 @@ struct start {
     bool left;  /* org is set: it is the same for all lamps */
     bool known; /* the other fields are set */
     double org[3];
-    double
-        height; /* above the plane of a flat lamp and what is flush with it */
+    double height; /* above the plane of a flat lamp, and above what is flush
+                    * with it */
     double round;  /* bound of the rounding error of height */
 };
 

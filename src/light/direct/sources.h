@@ -18,10 +18,6 @@
  * relative to the largest coordinate. */
 #define RAD_LIGHT_ROUNDING 0x1p-46
 
-/* Frozen octrees keep 31 bits of a coordinate, xform writes 12 digits: two
- * surfaces that are flush may be apart by this part of the coordinates. */
-#define RAD_LIGHT_STORED 0x1p-28
-
 struct rad_sources {
     struct rad_source *list;
     int32_t n;
@@ -53,9 +49,7 @@ rad_largest(const double v[3])
 static inline double
 rad_flush_gap(const double p[3], const double n[3], double height)
 {
-    double size = fabs(n[0] * p[0]) + fabs(n[1] * p[1]) + fabs(n[2] * p[2]);
-
-    return rad_least(RAD_LIGHT_STORED * size, height / 2);
+    return rad_least(RAD_GEOM_FLUSH * rad_dot_sizes(n, p), height / 2);
 }
 
 /* rad_source_object(), inline for shadow rays. */
