@@ -78,6 +78,20 @@ stand_release(struct stand *s)
     rad_job_free(s->job);
 }
 
+static bool
+is_frozen(const struct stand *s)
+{
+    return s->job->ambient && rad_ambient_is_frozen(s->job->ambient);
+}
+
+/* Begin a tile of a frozen cache. */
+static void
+make_records(struct stand *s)
+{
+    if (is_frozen(s))
+        rad_ambtile_begin(&s->tile, &s->ctx, 0, 0);
+}
+
 static int
 stand_init(struct stand *s, const struct trial_scene *scene,
            const struct rad_params *params, struct rad_error *err)
@@ -98,10 +112,9 @@ stand_init(struct stand *s, const struct trial_scene *scene,
         return rc;
     }
     s->tile = (struct rad_ambtile){ .own = NULL };
-    if (scene->passes && s->job->ambient) {
+    if (scene->passes && s->job->ambient)
         rad_ambient_freeze(s->job->ambient);
-        rad_ambtile_begin(&s->tile, &s->ctx, 0, 0);
-    }
+    make_records(s);
     return 0;
 }
 
@@ -123,20 +136,6 @@ keep_records(struct stand *s, bool smooth, struct rad_error *err)
     rad_ambtile_end(&s->tile, &s->ctx);
     ok = ok && rad_ambient_settle(amb) && (!smooth || rad_ambient_smooth(amb));
     return ok ? 0 : rad_fail_memory(err);
-}
-
-static bool
-is_frozen(const struct stand *s)
-{
-    return s->job->ambient && rad_ambient_is_frozen(s->job->ambient);
-}
-
-/* Begin a tile of a frozen cache. */
-static void
-make_records(struct stand *s)
-{
-    if (is_frozen(s))
-        rad_ambtile_begin(&s->tile, &s->ctx, 0, 0);
 }
 
 static struct trial_step

@@ -150,8 +150,9 @@ progress_pace(struct job *job, uint64_t now_ms, uint32_t workers)
     if (p->look_ms == 0 || p->share < p->first_share) {
         p->first_share = p->share;
         p->work_s = 0;
-    } else
+    } else {
         p->work_s += dt_s * p->workers;
+    }
     p->look_ms = now_ms;
     p->workers = workers;
 }
