@@ -22,4 +22,6 @@ libdaemon_a_SOURCES += \
 	daemon/child/render_tell.c \
 	daemon/child/render_units.c \
 	daemon/child/sandbox.c \
-	daemon/child/sandbox.h
+	daemon/child/sandbox.h \
+	daemon/child/wake.c \
+	daemon/child/wake.h

@@ -19,9 +19,9 @@ give_tiles(struct pool *p)
 }
 
 static void
-on_async(uv_async_t *async)
+on_wake(void *arg)
 {
-    struct pool *p = async->data;
+    struct pool *p = arg;
     struct pool_rows *r, *next;
 
     uv_mutex_lock(&p->mu);
@@ -162,7 +162,7 @@ pool_stuck(struct pool *p, double limit_s, int *x, int *y)
 }
 
 static void
-async_closed(uv_handle_t *h)
+wake_closed(uv_handle_t *h)
 {
     struct pool *p = h->data;
 
@@ -206,7 +206,7 @@ pool_free(struct pool *p)
     pool_free_estimates(p->estimates);
     pool_free_estimates(p->estimated);
     pool_release_tiles(p);
-    uv_close((uv_handle_t *)&p->async, async_closed);
+    wake_close(&p->wake, wake_closed);
 }
 
 /* Sets p->nthreads to the threads that run, even if one fails to start. */
@@ -232,18 +232,33 @@ start_threads(struct pool *p, int nthreads, struct rad_error *err)
     return 0;
 }
 
+/* Memory, and what wakes the loop. */
+static struct pool *
+make_pool(uv_loop_t *loop, int nthreads, struct rad_error *err)
+{
+    struct pool *p = calloc(1, sizeof *p);
+    struct renderer *renderers = calloc((size_t)nthreads, sizeof *renderers);
+    int rc = UV_ENOMEM;
+
+    if (p && renderers)
+        rc = wake_init(&p->wake, loop, on_wake, p);
+    if (rc == 0) {
+        p->renderers = renderers;
+        return p;
+    }
+    free(renderers);
+    free(p);
+    rad_fail(err, RAD_ENOMEM, "cannot set threads up: %s", uv_strerror(rc));
+    return NULL;
+}
+
 struct pool *
 pool_new(uv_loop_t *loop, const struct pool_spec *spec, struct rad_error *err)
 {
-    struct pool *p = calloc(1, sizeof *p);
+    struct pool *p = make_pool(loop, spec->nthreads, err);
 
-    if (p)
-        p->renderers = calloc((size_t)spec->nthreads, sizeof *p->renderers);
-    if (!p || !p->renderers) {
-        free(p);
-        rad_fail_memory(err);
+    if (!p)
         return NULL;
-    }
     p->job = spec->job;
     p->frames = spec->frames;
     p->strict = spec->strict;
@@ -258,8 +273,6 @@ pool_new(uv_loop_t *loop, const struct pool_spec *spec, struct rad_error *err)
     uv_mutex_init(&p->mu);
     uv_cond_init(&p->work);
     uv_cond_init(&p->room);
-    uv_async_init(loop, &p->async, on_async);
-    p->async.data = p;
     if (start_threads(p, spec->nthreads, err) < 0) {
         pool_free(p);
         return NULL;

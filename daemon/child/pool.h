@@ -4,7 +4,7 @@
  * rows into another, which the loop empties.  A thread that finds no unit joins
  * the team of another thread's unit (team.h), which changes no pixel.  The
  * queues are locked once a unit and once a piece of rows, never per ray; the
- * only libuv call from a render thread is uv_async_send().
+ * only call for the loop from a render thread is wake_send().
  * Strict units (strict.h) are rendered in passes, each by one team.  A thread
  * without work asks the strict units' machine for the next pass, under the
  * pool's lock.

@@ -37,7 +37,7 @@ end_estimate_locked(struct pool *p, struct estimating *e)
     e->wall_s = pool_seconds(CLOCK_MONOTONIC) - e->wall0;
     e->next = p->estimated;
     p->estimated = e;
-    uv_async_send(&p->async);
+    wake_send(&p->wake);
 }
 
 void

@@ -15,6 +15,7 @@
 
 #include "child/pool.h"
 #include "child/pool_tiles.h"
+#include "child/wake.h"
 #include "team/team.h"
 
 #include <stdatomic.h>
@@ -78,7 +79,7 @@ struct pool {
     pool_rows_fn *rows;             /* [fixed] */
     pool_news_fn *news;             /* [fixed] */
     void *arg;                      /* [fixed] */
-    uv_async_t async;
+    struct wake wake;               /* work for the loop thread */
     uv_mutex_t mu;
     uv_cond_t work;                           /* new work, or stopping */
     uv_cond_t room;                           /* unsent fell, or stopping */

@@ -37,7 +37,7 @@ pool_changed_locked(struct pool *p)
     pool_look_locked(p);
     pool_settle_waits_locked(p);
     uv_cond_broadcast(&p->work);
-    uv_async_send(&p->async);
+    wake_send(&p->wake);
 }
 
 void

@@ -54,7 +54,7 @@ find_strict_locked(struct pool *p, enum strict_rank least, struct work *w)
     if (p->strict && !(w->pass = strict_next(p->strict, least))) {
         w->help = find_open_locked(p, least);
         if (strict_error(p->strict) < 0)
-            uv_async_send(&p->async);
+            wake_send(&p->wake);
     }
     return w->pass || w->help;
 }

@@ -37,14 +37,6 @@ keep_records(void *arg, const struct rad_ambrec *rec, size_t n)
     }
 }
 
-static void
-hand_on_locked(struct pool *p, struct pool_tile *t)
-{
-    t->next = p->tiling.made;
-    p->tiling.made = t;
-    uv_async_send(&p->async);
-}
-
 void
 pool_tile_free(struct pool_tile *t)
 {
@@ -106,17 +98,18 @@ make_tile(struct renderer *by, struct pool_tile *t)
     cpu = pool_stint_end_and_lock(by, &stint);
     if (whole && !t->records.bad) {
         counted_add(&t->counts, &by->ctx.counts, cpu);
-        hand_on_locked(p, t);
+        t->next = k->made;
+        k->made = t;
     } else {
         counted_add(&k->dropped, &by->ctx.counts, cpu);
         if (!atomic_load(&k->stop[t->pass % MSG_OPEN_PASSES]))
             rad_fail_memory(&k->err);
         pool_tile_free(t);
-        uv_async_send(&p->async);
     }
     if (--k->members == 0)
         uv_cond_broadcast(&p->work);
     uv_mutex_unlock(&p->mu);
+    wake_send(&p->wake); /* now, for the loop takes the lock first */
 }
 
 /* --- from one pass to the next --- */
@@ -227,7 +220,7 @@ close_pass(struct renderer *by, struct pool_frozen *f)
         atomic_store(&k->stop[k->open % MSG_OPEN_PASSES], false);
     k->open++;
     if (k->err.code)
-        uv_async_send(&p->async);
+        wake_send(&p->wake);
     end_change_and_unlock(p);
     free_frozen(f);
 }

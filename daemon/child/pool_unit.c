@@ -33,7 +33,7 @@ put_done_locked(struct pool *p, struct pool_rows *rows, size_t bytes)
     p->unsent += bytes;
     *p->done_end = rows;
     p->done_end = &rows->next;
-    uv_async_send(&p->async);
+    wake_send(&p->wake);
 }
 
 /* Hand a piece to the loop; waits while too many bytes are not sent. */
@@ -397,7 +397,7 @@ pool_unit_begin(struct pool *p, struct queued *window, struct strict_pass *pass)
         team_stop(u->team);
     if (u->pass) {
         pool_look_locked(p);      /* SPLIT or a stop may have come meanwhile */
-        uv_async_send(&p->async); /* its bottom may be wanted: send messages */
+        wake_send(&p->wake);      /* its bottom may be wanted: send messages */
     }
     if (!p->todo)
         uv_cond_broadcast(&p->work); /* idle threads can help */
