@@ -365,11 +365,11 @@ TEST(names_of_the_last_kind_add_up)
     int n = 0;
 
     rad_params_init(&p);
-    ck_assert_int_gt(take(&p, "-ae red -ae blue", NULL), 0);
+    ck_assert_int_gt(take(&p, "-ae r -ae blue", NULL), 0);
     ck_assert_int_eq(p.amblisted, RAD_AMB_EXCLUDE);
-    ck_assert_str_eq(p.amblist, "red blue");
+    ck_assert_str_eq(p.amblist, "r blue");
     rad_params_format(&p, text, sizeof text);
-    ck_assert_ptr_nonnull(strstr(text, "-ae red -ae blue"));
+    ck_assert_ptr_nonnull(strstr(text, "-ae r -ae blue"));
     ck_assert_int_gt(take(&p, "-ai green", NULL), 0);
     ck_assert_int_eq(p.amblisted, RAD_AMB_INCLUDE);
     ck_assert_str_eq(p.amblist, "green");

@@ -153,6 +153,12 @@ LOOP_TEST(a_coded_row_tells_where_it_ends, N_ELEM(row_widths))
     ck_assert_mem_eq(row, again, n);
     ck_assert_uint_eq(rad_hdr_decode_row(row, n - 1, width, rgbe), 0);
     ck_assert(flat || rad_hdr_decode_row(row, n, width + 1, rgbe) == 0);
+    for (int i = 0; i < 2 && !flat; i++) { /* no mark of a coded row */
+        row[i] = 3;
+        ck_assert_uint_eq(rad_hdr_row_bytes(row, n, width), 0);
+        ck_assert_uint_eq(rad_hdr_decode_row(row, n, width, rgbe), 0);
+        row[i] = 2;
+    }
     row[4] = 0; /* a count of none */
     ck_assert(flat || rad_hdr_row_bytes(row, n, width) == 0);
     ck_assert(flat || rad_hdr_decode_row(row, n, width, rgbe) == 0);

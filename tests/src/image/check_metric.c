@@ -42,6 +42,9 @@ TEST(figures_agree_with_hand_calculation)
     ck_assert_double_eq_tol(m.p99_9, .997 / 1.001, 1e-6);
     ck_assert_double_eq_tol(m.max, 1 / 1.001, 1e-6);
     ck_assert_double_eq_tol(m.maxabs, 1, 1e-7);
+    a.height = b.height = 1; /* the median is between two */
+    ck_assert_int_eq(rad_metric_compare(&a, &b, &m, NULL), 0);
+    ck_assert_double_eq_tol(m.p50, .5 / 1.001, 1e-6);
     rad_picture_release(&a);
     rad_picture_release(&b);
     rad_picture_release(&t);
@@ -148,6 +151,50 @@ TEST(png_passes_on_why_it_could_not_be_written)
 
     ck_assert_int_eq(rad_png_write(rgb, 1, 1, 1, &sink, &err), RAD_EIO);
     ck_assert_str_eq(err.what, "disk full");
+}
+
+struct bytes {
+    uint8_t at[4096];
+    size_t n;
+};
+
+static int
+keep(void *arg, const void *data, size_t n, struct rad_error *err)
+{
+    struct bytes *b = arg;
+
+    (void)err;
+    ck_assert_uint_le(n, sizeof b->at - b->n);
+    memcpy(b->at + b->n, data, n);
+    b->n += n;
+    return 0;
+}
+
+/* pixels to a metre across and down, of which the ratio alone means something
+ */
+TEST(png_says_that_pixels_are_not_square)
+{
+    static const struct {
+        double pixaspect;
+        const char *chunk;
+    } row[] = { { 1, NULL },
+                { 1.004, NULL },
+                { .5, "pHYs\0\0\1\xf4\0\0\3\xe8" },
+                { 2.5, "pHYs\0\0\x9\xc4\0\0\3\xe8" },
+                { 1e9, NULL } };
+    static const uint8_t rgb[3] = { 1, 2, 3 };
+
+    for (size_t i = 0; i < N_ELEM(row); i++) {
+        struct bytes b = { .n = 0 };
+        struct rad_sink sink = { keep, &b };
+        const void *found;
+
+        ck_assert_int_eq(
+            rad_png_write(rgb, 1, 1, row[i].pixaspect, &sink, NULL), 0);
+        found = memmem(b.at, b.n, row[i].chunk ? row[i].chunk : "pHYs",
+                       row[i].chunk ? 12 : 4);
+        ck_assert_int_eq(found != NULL, row[i].chunk != NULL);
+    }
 }
 
 TEST(differences_are_red_and_blue)
