@@ -219,6 +219,31 @@ static const int sizes[][2] = { { 1, 1 },     { 8, 8 },   { 3000, 2 },
                                 { 2, 3000 },  { 40, 90 }, { 640, 480 },
                                 { 100, 5000 } };
 
+static bool
+is_lit(const struct rad_image *m, int left, int y)
+{
+    for (int x = left; x < m->width; x++)
+        if (light(at(m, x, y)) > 0)
+            return true;
+    return false;
+}
+
+/* Of the rows that are lit right of a column those of the title end before the
+ * scale begins. */
+static bool
+title_is_apart(const struct rad_image *m, int left)
+{
+    int y = 0, end = m->height;
+
+    while (!is_lit(m, left, y))
+        y++;
+    while (is_lit(m, left, y))
+        y++;
+    while (!is_lit(m, left, end - 1))
+        end--;
+    return y < end / 2;
+}
+
 /* The legend is beside the picture, whatever that is, and is inside the image:
  * its last columns and rows are black. */
 LOOP_TEST(legends_fit_any_picture, N_ELEM(sizes))
@@ -245,6 +270,7 @@ LOOP_TEST(legends_fit_any_picture, N_ELEM(sizes))
         for (int x = w; x < m.width; x++)
             lit += light(at(&m, x, y)) > 0;
     }
+    ck_assert(title_is_apart(&m, w));
     for (int x = w; x < m.width; x++) {
         ck_assert_int_eq(light(at(&m, x, 0)), 0);
         ck_assert_int_eq(light(at(&m, x, m.height - 1)), 0);
@@ -252,6 +278,38 @@ LOOP_TEST(legends_fit_any_picture, N_ELEM(sizes))
     ck_assert_uint_gt(lit, 500);
     free(m.rgb);
     free(v);
+    rad_picture_release(&p);
+}
+
+/* Ticks of a logarithmic scale are at 1, 2, 5 and so on: 1000 is at the end of
+ * the scale, and 2 is .9 of three decades below. */
+TEST(ticks_are_where_their_values_are)
+{
+    static const double value[] = { 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1 };
+    double v[600] = { 0 };
+    struct rad_false_scale s;
+    struct rad_picture p = picture(1, 600, v);
+    struct rad_image m;
+    int columns = 0;
+
+    ck_assert_int_eq(rad_false_parse(&s, "1000,log=3", NULL), 0);
+    ck_assert_int_eq(rad_false_colour(&s, &p, &m, NULL), 0);
+    for (int x = 1; x < m.width; x++) {
+        int n = 0, tick[300];
+
+        for (int y = 1; y < m.height; y++)
+            if (at(&m, x, y)[2] == 255 && at(&m, x, y - 1)[2] < 255)
+                tick[n++] = y;
+        if (n != N_ELEM(value) || tick[n - 1] - tick[0] < 500)
+            continue;
+        for (int i = 0; i < n; i++)
+            ck_assert_double_eq_tol((tick[i] - tick[0]) /
+                                        (double)(tick[n - 1] - tick[0]),
+                                    1 - log10(value[i]) / 3, .003);
+        columns++;
+    }
+    ck_assert_int_ge(columns, 1);
+    free(m.rgb);
     rad_picture_release(&p);
 }
 

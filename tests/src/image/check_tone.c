@@ -3,6 +3,7 @@
 
 #include "tone/primaries.h"
 #include "tone/screen.h"
+#include "image/edge.h"
 #include "image/srgb.h"
 #include "tests/made_picture.h"
 
@@ -425,6 +426,8 @@ TEST(the_darkest_are_shared_by_two_bins)
     step = (h.bmax - h.bmin) / RAD_HUMAN_BINS;
     for (int i = 1; i < RAD_HUMAN_BINS; i++)
         rad_human_count(&h, &world, exp(h.bmin + (i + .5) * step), 1);
+    ck_assert_double_eq_tol(log(rad_human_darkest(&h, &world, .25)),
+                            h.bmin + 25.5 * step, 1e-9);
     rad_human_adapt(&h, &world, false);
     ck_assert(!h.linear);
     ck_assert_double_eq_tol(h.below[1] * (RAD_HUMAN_BINS - 1), .5, 1e-9);
@@ -538,6 +541,38 @@ TEST(veil_is_light_scattered_by_angle)
     rad_picture_release(&p);
 }
 
+/* A dark half beside a bright half: the eye adapts to the dark with the veil
+ * that lies over it, and where no veil is seen to what is there. */
+TEST(an_eye_adapts_to_what_the_veil_leaves)
+{
+    static const double range[] = { 1e6, 10 };
+    struct rad_view v = square_view(60);
+
+    for (int i = 0; i < 2; i++) {
+        struct rad_picture p = blank(60, 60);
+        struct rad_histogram w = { .total = 0 };
+        struct rad_human h = { .linear = false }, bare;
+        struct rad_eye *e;
+
+        for (int k = 0; k < 3600; k++)
+            p.L[k] =
+                rad_grey((float)(k % 60 < 30 ? (1 + k / 1800) / range[i] : 1));
+        e = rad_eye_new(&p, &v, false, NULL);
+        ck_assert(rad_eye_fit(e, &h));
+        bare = h;
+        for (int k = 0; k < 3600; k++)
+            rad_human_count(&h, &w, 179 * (double)p.L[k].g, 1);
+        rad_human_adapt(&bare, &w, rad_human_fits(&bare));
+        ck_assert(h.linear && bare.linear && h.veil == (i == 0));
+        if (h.veil)
+            ck_assert_double_lt(h.scale, bare.scale / 3);
+        else
+            ck_assert_double_eq_tol(h.scale, bare.scale, 1e-6 * bare.scale);
+        rad_eye_free(e);
+        rad_picture_release(&p);
+    }
+}
+
 /* [cd/m2] of a pure colour: rods alone, half and half, cones alone. */
 static const struct {
     double lum, cones;
@@ -629,6 +664,42 @@ TEST(a_blur_leaves_slopes_where_they_are)
     }
     rad_eye_free(e);
     rad_picture_release(&p);
+}
+
+/* Edges whose sides have the light of their pixels change nothing: they are
+ * under the veil of where they are. */
+TEST(an_edge_has_its_pixels_veil)
+{
+    enum { W = 32, H = 24 };
+    static uint8_t code[H * RAD_EDGE_ROW_BYTES(W) + RAD_EDGE_END_BYTES];
+    struct rad_tone_options o = choose(RAD_TONE_HUMAN);
+    struct rad_tone tone = { 0 };
+    struct rad_picture p = blank(W, H), other = blank(W, H);
+    size_t n = 0;
+
+    for (int y = 0; y < H; y++) {
+        struct rad_edge edge[W];
+
+        for (int x = 0; x < W; x++) {
+            struct rad_rgb L = rad_grey(x < 4 && y > 9 ? 1024 : .0625f);
+
+            p.L[y * W + x] = other.L[y * W + x] = L;
+            edge[x] = (struct rad_edge){ x, .5f, L, L };
+        }
+        n += rad_edge_encode_row(edge, W, code + n);
+    }
+    rad_edge_encode_end(n, code + n);
+    n += RAD_EDGE_END_BYTES;
+    ck_assert_int_eq(rad_edges_read(code, n, W, H, &p.edges, NULL), 0);
+    ck_assert_int_eq(rad_edges_count(&p.edges, 1), W);
+    apply(&o, &tone, &other, NULL);
+    ck_assert(tone.human.veil && !tone.human.acuity);
+    apply(&o, &tone, &p, NULL);
+    /* RGBE, of which edges are, is .4 % off */
+    for (int i = 0; i < W * H; i++)
+        ck_assert_float_eq_tol(p.L[i].g, other.L[i].g, .01f * other.L[i].g);
+    rad_picture_release(&p);
+    rad_picture_release(&other);
 }
 
 /* --- primaries --- */
