@@ -355,8 +355,9 @@ LOOP_TEST(elementary_functions_are_those_of_libm,
 
 TEST(elementary_functions_end_as_those_of_libm)
 {
-    static const double odd[] = { 0, -0., 1,        -1,        2,   -2,
-                                  3, -3,  INFINITY, -INFINITY, NAN, .5 };
+    static const double odd[] = { 0,   -0., 1,       -1,       2,
+                                  -2,  3,   -3,      INFINITY, -INFINITY,
+                                  NAN, .5,  1.5e308, -1e308 };
 
     for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
         double x = odd[i];
@@ -375,6 +376,17 @@ TEST(elementary_functions_end_as_those_of_libm)
                               fabs(have - want) <= 1e-15 * fabs(want),
                           "%g to the power of %g: %g", x, odd[j], have);
             ck_assert(signbit(want) == signbit(have) || isnan(want));
+            want = atan2(x, odd[j]);
+            have = rad_atan2(x, odd[j]);
+            ck_assert_msg((isnan(want) && isnan(have)) ||
+                              (fabs(have - want) <= 1e-15 * fabs(want) &&
+                               signbit(want) == signbit(have)),
+                          "angle of (%g, %g): %g", odd[j], x, have);
+            want = hypot(x, odd[j]);
+            have = rad_hypot(x, odd[j]);
+            ck_assert_msg((isnan(want) && isnan(have)) || have == want ||
+                              fabs(have - want) <= 1e-15 * want,
+                          "length of (%g, %g): %g", odd[j], x, have);
         }
     }
     ck_assert(rad_pow(2, 1e300) == INFINITY && rad_pow(.5, 1e300) == 0);

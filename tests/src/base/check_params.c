@@ -286,10 +286,12 @@ TEST(other_words_are_left_alone)
 /* as rpict -defaults has it */
 TEST(no_limit_of_photons_is_taken)
 {
+    char option[] = "-am", most[] = "0", *argv[] = { option, most };
     struct rad_params p, before;
 
     rad_params_init(&p);
     rad_params_init(&before);
+    ck_assert_int_eq(rad_params_option(&p, 1, argv, NULL), RAD_EUSAGE);
     ck_assert_int_eq(take(&p, "-am 0.0", NULL), 2);
     ck_assert_mem_eq(&p, &before, sizeof p);
 }

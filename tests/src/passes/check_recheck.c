@@ -95,9 +95,15 @@ work(void *arg)
     while ((i = atomic_fetch_add(&m->next, 1)) < m->ntiles) {
         uint32_t tile = m->backward ? m->ntiles - 1 - i : i;
 
-        for (int k = 0; k <= m->twice; k++)
+        for (int k = 0; k <= m->twice; k++) {
+            uint64_t before = ctx.counts.rays;
+
             ck_assert(
                 rad_refine_make(m->passes, &ctx, tile, &never, &m->of[tile]));
+            ck_assert_double_gt(m->of[tile].rays, 0);
+            ck_assert_double_lt(m->of[tile].rays,
+                                (double)(ctx.counts.rays - before));
+        }
     }
     ck_assert_uint_eq(ctx.counts.primary_rays, 0);
     ck_assert_uint_eq(ctx.counts.ambient_values, 0);

@@ -380,6 +380,24 @@ TEST(stages_are_few)
     ck_assert(!rad_refine_next(&ask, &next, &error));
 }
 
+/* A cache that is all but good enough: pixels get more rays for which a stage
+ * would take as many, since pictures over the cache that is there come near
+ * enough. */
+TEST(what_comes_near_enough_without_a_stage_has_none)
+{
+    struct rad_refine_ask ask = ask_of(.0235, .0236, .017, .013);
+    struct rad_refine_rungs next;
+    double error;
+
+    ask.stage = 1;
+    ask.rungs = (struct rad_refine_rungs){ RUNGS(3), RUNGS(1) };
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_int_eq(next.ambient, RUNGS(3));
+    ck_assert_int_gt(next.pixel, RUNGS(1));
+    ck_assert_double_gt(error, .0235);
+    ck_assert_double_lt(error, .0235 * 1.1);
+}
+
 /* What is far off is not foreseen well: some of it is made first, unless there
  * is no further stage. */
 TEST(a_far_goal_has_a_stage_before_it)
@@ -419,6 +437,24 @@ TEST(what_fell_slowly_is_foreseen_so)
         ck_assert(rad_refine_next(&ask, &next, &error));
         ck_assert_int_ge(next.ambient, last + RUNGS(i == 1 || i == 2));
         last = next.ambient;
+    }
+}
+
+/* Stages less than three rungs apart tell nothing of how it falls. */
+TEST(stages_close_to_each_other_foresee_nothing)
+{
+    for (int rung = RUNGS(3) - 1; rung <= RUNGS(3); rung++) {
+        struct rad_refine_ask ask = ask_of(.1, .2, .01, 0);
+        struct rad_refine_rungs slow, fast;
+        double error;
+
+        ask.stage = RAD_REFINE_STAGES - 2;
+        ask.rungs.ambient = (uint8_t)rung;
+        ask.past.square = .04;
+        ck_assert(rad_refine_next(&ask, &slow, &error));
+        ask.past.square = 4;
+        ck_assert(rad_refine_next(&ask, &fast, &error));
+        ck_assert_int_eq(slow.ambient > fast.ambient, rung == RUNGS(3));
     }
 }
 
