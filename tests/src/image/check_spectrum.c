@@ -207,6 +207,24 @@ parse(const char *text, size_t len, struct rad_error *err)
     return d;
 }
 
+/* The ends of such samples are at most .7 nm off, taken together. */
+TEST(samples_that_are_almost_bands_are_these)
+{
+    struct rad_bands b = { 6, 720, 420, 0 };
+
+    for (int close = 0; close < 2; close++) {
+        double off = close ? .4 : .6, sum[3] = { 0 };
+        const struct rad_spectrum *sp =
+            rad_spectrum_new(&arena, 6, 720 + off, 420 + off, &b);
+
+        rad_spectrum_add(sp, 2, 1, sum); /* channel 1 of the first plane */
+        rad_spectrum_colour(sp, sum);
+        ck_assert_double_eq(sum[0], 0);
+        ck_assert_double_eq_tol(sum[1], close ? 1 : 1 - off / 50, 1e-9);
+        ck_assert_double_eq(sum[2], 0);
+    }
+}
+
 TEST(picture_has_its_samples)
 {
     static const char text[] = HEAD "-Y 2 +X 3\n"

@@ -311,12 +311,13 @@ TEST(a_tile_with_too_many_records_leaves_out_deep_ones)
     ck_assert_uint_gt(many.of[1], 0);
 }
 
-/* Who is told where paths go finds the same tiles as who walks them. */
+/* Who is told where paths go finds the same tiles as who walks them, and so
+ * does who comes when the walk is over. */
 TEST(paths_can_be_walked_elsewhere)
 {
-    static struct list here, there;
+    static struct list here, there, then;
     struct room *m = &rooms[0];
-    struct rad_passes *p, *told;
+    struct rad_passes *p, *told, *late;
     struct rad_pass pass[RAD_MOST_PASSES];
     struct rad_pass_spot *spot;
     uint64_t rays;
@@ -326,8 +327,9 @@ TEST(paths_can_be_walked_elsewhere)
     ck_assert_int_eq(pass[0].walks, 2);
     p = rad_passes_new(&m->frame, 1, NULL);
     told = rad_passes_new(&m->frame, 1, NULL);
+    late = rad_passes_new(&m->frame, 1, NULL);
     spot = calloc(pass[0].paths, 2 * sizeof *spot);
-    ck_assert(p && told && spot);
+    ck_assert(p && told && late && spot);
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[0], NULL), 0);
     for (uint32_t i = 0, first; i < pass[0].tiles; i++) {
         rad_pass_paths(&pass[0], i, &first);
@@ -339,7 +341,8 @@ TEST(paths_can_be_walked_elsewhere)
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[1], NULL), 0);
     ck_assert_int_eq(rad_passes_begin(told, &m->w.ctx, &pass[1], NULL), 0);
     ck_assert_uint_eq(m->w.ctx.counts.rays, rays);
-    here.n = there.n = 0;
+    ck_assert_int_eq(rad_passes_begin(late, &m->w.ctx, &pass[1], NULL), 0);
+    here.n = there.n = then.n = 0;
     for (uint32_t i = 0; i < pass[1].tiles; i++) {
         memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
         ck_assert(rad_passes_make(p, &m->w.ctx, &pass[1], 0, i, &never, keep,
@@ -349,13 +352,17 @@ TEST(paths_can_be_walked_elsewhere)
         ck_assert(rad_passes_make(told, &m->w.ctx, &pass[1], 0, i, &never, keep,
                                   &there, NULL));
         ck_assert_uint_eq(m->w.ctx.counts.rays, rays);
+        ck_assert(rad_passes_make(late, &m->w.ctx, &pass[1], 0, i, &never, keep,
+                                  &then, NULL));
     }
     ck_assert_uint_gt(here.n, 10);
-    ck_assert_uint_eq(here.n, there.n);
+    ck_assert(here.n == there.n && here.n == then.n);
     ck_assert_mem_eq(here.rec, there.rec, here.n * sizeof *here.rec);
+    ck_assert_mem_eq(here.rec, then.rec, here.n * sizeof *here.rec);
     free(spot);
     rad_passes_free(p);
     rad_passes_free(told);
+    rad_passes_free(late);
     close_room(m);
 }
 

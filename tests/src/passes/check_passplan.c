@@ -215,6 +215,8 @@ LOOP_TEST(scattered_passes_come_last, N_ELEM(rests))
         rest += pass[i].scattered;
         bounded += pass[i].scattered && pass[i].rays > 0;
     }
+    ck_assert_uint_eq(rad_passes_ready(pass, n - 1), 0);
+    ck_assert_uint_eq(rad_passes_ready(pass, n), 1);
     ck_assert_uint_gt(shown, 0);
     ck_assert_uint_eq(rest, rounds > 0 ? rounds : 2 * RAD_PASS_PARTS);
     ck_assert_uint_eq(bounded, rounds > 0 ? 0 : RAD_PASS_PARTS);
