@@ -52,8 +52,7 @@ rad_bands_gather(const struct rad_bands *b, const struct rad_rgb plane[],
     for (int p = 0; p < rad_bands_planes(b); p++) {
         band[rad_bands_of(b, p, 0)] = plane[p].r;
         band[rad_bands_of(b, p, 1)] = plane[p].g;
-        if (rad_bands_of(b, p, 2) != rad_bands_of(b, p, 1))
-            band[rad_bands_of(b, p, 2)] = plane[p].b;
+        band[rad_bands_of(b, p, 2)] = plane[p].b; /* if repeated, the same */
     }
 }
 

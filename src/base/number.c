@@ -22,7 +22,6 @@ struct decimal {
     int digits;        /* significant digits in it */
     int exponent;
     bool negative;
-    bool inexact; /* digits other than 0 were left out */
 };
 
 static const char *
@@ -30,7 +29,6 @@ scan_digits(const char *p, struct decimal *d, bool fraction)
 {
     for (; *p >= '0' && *p <= '9'; p++) {
         if (d->digits == 19) {
-            d->inexact = d->inexact || *p != '0';
             d->exponent += !fraction;
             continue;
         }
@@ -89,11 +87,12 @@ convert_exactly(const struct decimal *d, double *x)
                                   1e18, 1e19, 1e20, 1e21, 1e22 };
     double m = (double)d->mantissa;
 
-    if (d->mantissa == 0 && !d->inexact) {
+    if (d->mantissa == 0) {
         *x = d->negative ? -0. : 0.;
         return true;
     }
-    if (d->inexact || d->mantissa > UINT64_C(1) << 53 || d->exponent < -22 ||
+    /* of 19 digits, behind which more may be left out, it is larger */
+    if (d->mantissa > UINT64_C(1) << 53 || d->exponent < -22 ||
         d->exponent > 22)
         return false;
     m = d->exponent < 0 ? m / ten[-d->exponent] : m * ten[d->exponent];

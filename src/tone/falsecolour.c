@@ -179,10 +179,10 @@ brightest(const struct rad_picture *pic)
 static double
 round_up(double v)
 {
-    static const double steps[] = { 1, 2, 5, 10 };
+    static const double steps[] = { 1, 2, 5 };
     double power = pow(10, floor(log10(v)));
 
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 3; i++)
         if (steps[i] * power >= v * (1 - 1e-9)) /* rounding of the power */
             return steps[i] * power;
     return 10 * power;
