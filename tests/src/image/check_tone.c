@@ -642,6 +642,20 @@ TEST(fine_detail_is_lost_in_the_dark)
     ck_assert_double_gt(seen_of_grating(1000, 4), .7);
 }
 
+/* Where an eye sees 8 pixels, a little more light is a little more detail,
+ * though pixels are averaged in squares of 4 there, not of 8. */
+TEST(detail_comes_with_the_light)
+{
+    double lum = .001, before, after;
+
+    while (rad_human_acuity(lum) < 50 / 8.)
+        lum *= 1.001;
+    before = seen_of_grating(lum / 1.02, 16);
+    after = seen_of_grating(lum * 1.02, 16);
+    ck_assert_msg(after > before && after < before + .05, "%g %g", before,
+                  after);
+}
+
 /* What an even slope loses to its surroundings it gets from them. */
 TEST(a_blur_leaves_slopes_where_they_are)
 {

@@ -229,14 +229,15 @@ zone_of(const void *arg, const struct rad_ambitem *rec)
     return sample[(int)rec->E.g].zone;
 }
 
-/* The same records, laid out for reading in a cube of that side: settled at
- * several times, some of them far outside it if they may be strays. */
+/* The same records, laid out for reading in a cube: settled at several times,
+ * some of them far outside it if they may be strays. */
 static void
-settle_in(struct rad_ambread *r, double side, bool strays)
+settle_in(struct rad_ambread *r, const double corner[3], double side,
+          bool strays)
 {
     bool ok = true;
 
-    rad_ambread_init(r, org, side);
+    rad_ambread_init(r, corner, side);
     for (int i = 0; i < RECORDS; i++) {
         sample[i] = invent(rad_key_branch(1, (uint64_t)i));
         sample[i].rec.E.g = (float)i;
@@ -253,7 +254,7 @@ settle_in(struct rad_ambread *r, double side, bool strays)
 static void
 settled(struct rad_ambread *r)
 {
-    settle_in(r, SIDE, true);
+    settle_in(r, org, SIDE, true);
 }
 
 /* Ask near the edges of zones, in corners of the cube's grid, outside it. */
@@ -329,10 +330,14 @@ TEST(frozen_look_up_finds_what_a_search_of_all_finds)
  * leaves are as small as in a cube of the room's size. */
 TEST(a_room_that_is_small_in_its_scene_is_searched_as_well)
 {
+    static const double cells[3] = { 170, 75, 225 }; /* each four rooms wide */
     struct rad_ambread r;
     struct matches t = { 0 };
+    double corner[3];
 
-    settle_in(&r, 1024 * SIDE, false);
+    for (int k = 0; k < 3; k++)
+        corner[k] = org[k] - (4 * cells[k] + 1.5) * SIDE;
+    settle_in(&r, corner, 1024 * SIDE, false);
     for (int i = 0; i < QUERIES; i++)
         look_up(&r, i, &t);
     ck_assert_int_gt(t.served, QUERIES / 8);

@@ -473,7 +473,7 @@ TEST(passes_go_over_all_frames)
     size_t made[2] = { 0, 0 };
     uint32_t n, last = 0;
 
-    open_room(m, "-ab 1");
+    open_room(m, "-ab 2");
     frames[0] = m->frame;
     ck_assert_int_eq(
         jobtext_view("-vp 0 4.9 2.5 -vd 0 -1 0 -vh 80 -vv 80", &back, NULL), 0);
