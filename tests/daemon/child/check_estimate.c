@@ -116,7 +116,7 @@ TEST(first_pixels_are_spread_evenly)
 static const char scene_text[] =
     "void light lamp 0 0 3 60 60 60\n"
     "lamp sphere bulb 0 0 4 2 -2 4 .4\n"
-    "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"
+    "void plastic red 0 0 5 .6 .3 .2 .02 .05\n"
     "red sphere ball 0 0 4 0 0 1 1\n"
     "void plastic grey 0 0 5 .4 .4 .4 0 0\n"
     "grey polygon floor 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";

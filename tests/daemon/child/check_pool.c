@@ -55,7 +55,7 @@ static struct {
     struct rad_pixel whole[SIDE][SIDE];
     int side; /* of a window */
     int nlast, nrows[MOST];
-    uint64_t primary;
+    uint64_t primary, again;
     bool in_order;
 } got;
 
@@ -81,6 +81,7 @@ on_rows(void *arg, const struct pool_rows *r)
     if (r->last) {
         got.nlast++;
         got.primary += r->counts.primary_rays;
+        got.again += r->counts.estimate_rays;
         ck_assert_int_eq(got.nrows[r->unit.unit], w->height);
     }
     pool_sent(f.pool,
@@ -161,6 +162,7 @@ LOOP_TEST(threads_give_the_pixels_of_one, N_ELEM(pools))
         uv_run(&f.loop, UV_RUN_ONCE);
     memset(alone, 0, sizeof alone);
     ck_assert_uint_eq(render_alone(alone), got.primary);
+    ck_assert_uint_gt(got.again, 0); /* which estimate the error */
     ck_assert(got.in_order);
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++) {
