@@ -17,7 +17,9 @@ png_of(int width, int height, int bits)
     struct rad_screen screen;
     struct rad_tone tone = { 0 };
 
+    memset(&screen, 1, sizeof screen);
     rad_screen_init(&screen);
+    ck_assert(!screen.tone.absolute && !screen.tone.partial);
     screen.bits = bits;
     ck_assert_int_eq(rad_screen_png(&screen, &tone, &p, NULL, &sink, NULL), 0);
     rad_picture_release(&p);

@@ -273,9 +273,10 @@ ask_anywhere(int i)
     return q;
 }
 
-/* Records that look-ups found, those that serve and the others. */
+/* Records that look-ups found, those that serve and the others; and how many
+ * look-ups found fewer where large zones were not wanted. */
 struct matches {
-    int served, vain;
+    int served, vain, shorter;
 };
 
 /* Look up for a question, which finds what a search of all finds. */
@@ -284,7 +285,7 @@ look_up(const struct rad_ambread *r, int i, struct matches *t)
 {
     static int times[RECORDS];
     struct question ask = ask_anywhere(i);
-    struct found f = { .enough = INFINITY };
+    struct found f = { .enough = INFINITY }, some = { .enough = .02 };
     struct rad_ambquery q = ask.q;
     struct rad_ambfit fit;
     double reach = 0;
@@ -292,6 +293,10 @@ look_up(const struct rad_ambread *r, int i, struct matches *t)
     rad_ambfit_set(&fit, ask.min_cos, ask.weight);
     q.fit = &fit;
     rad_ambread_visit(r, RECORDS, &q, keep, want, &f);
+    rad_ambread_visit(r, RECORDS, &q, keep, want, &some);
+    ck_assert(some.n <= f.n &&
+              memcmp(f.rec, some.rec, (size_t)some.n * sizeof *some.rec) == 0);
+    t->shorter += some.n < f.n;
     memset(times, 0, sizeof times);
     for (int k = 0; k < f.n; k++) {
         double its = sample[(int)f.rec[k]->E.g].zone.reach;
@@ -321,6 +326,7 @@ TEST(frozen_look_up_finds_what_a_search_of_all_finds)
     settled(&r);
     for (int i = 0; i < 4 * QUERIES; i++)
         look_up(&r, i, &t);
+    ck_assert_int_gt(t.shorter, 0);
     ck_assert_int_gt(t.served, QUERIES / 2);
     ck_assert_int_lt(t.vain, 20 * t.served);
     rad_ambread_release(&r);

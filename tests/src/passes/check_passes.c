@@ -678,6 +678,36 @@ TEST(a_tile_that_ends_makes_coarse_deep_records)
     close_room(m);
 }
 
+/* Who watches the thread from outside learns pixels of the picture, which is
+ * wide here, and low. */
+TEST(a_tile_tells_which_pixel_it_is_at)
+{
+    static struct list list;
+    struct room *m = &rooms[0];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_passes *p;
+    int right = 0;
+
+    open_room(m, "-ab 1 -pa 0 -y 8");
+    for (uint32_t k = 0, n = plan(m, pass); k < n; k++) {
+        p = rad_passes_new(&m->frame, 1, NULL);
+        ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
+        for (uint32_t i = 0; i < pass[k].tiles; i++) {
+            uint64_t at;
+
+            list.n = 0;
+            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, i, &never,
+                                      keep, &list, NULL));
+            at = m->w.ctx.at;
+            ck_assert_int_lt(RAD_AT_Y(at), m->frame.height);
+            right = RAD_AT_X(at) > right ? RAD_AT_X(at) : right;
+        }
+        rad_passes_free(p);
+    }
+    ck_assert_int_ge(right, m->frame.width / 2);
+    close_room(m);
+}
+
 TEST(a_tile_that_is_stopped_hands_on_nothing)
 {
     static struct list list;
