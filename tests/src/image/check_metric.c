@@ -106,10 +106,12 @@ TEST(larger_test_picture_is_brought_down)
     static const float tv[] = { 1, 3, 1, 3, 3, 1, 3, 1 }, rv[] = { 2, 2 };
     static const struct rad_metric_options half = { 2, 0, 1 };
     struct rad_picture t = grey(4, 2, tv), r = grey(2, 1, rv), a, b;
+    struct rad_error err = { 0 };
     struct rad_metric m;
 
-    ck_assert_int_eq(rad_metric_prepare(&t, &r, &as_is, &a, &b, NULL),
+    ck_assert_int_eq(rad_metric_prepare(&r, &t, &as_is, &a, &b, &err),
                      RAD_EDATA);
+    ck_assert_str_eq(err.what, "sizes differ: 2x1 and 4x2");
     ck_assert_int_eq(rad_metric_prepare(&t, &r, &half, &a, &b, NULL), 0);
     ck_assert_int_eq(rad_metric_compare(&a, &b, &m, NULL), 0);
     ck_assert_double_eq(m.nrmse, 0);
@@ -206,12 +208,18 @@ TEST(differences_are_red_and_blue)
                                         { 20, 40, 160 },   { 200, 200, 200 } };
     struct rad_picture t = grey(6, 1, tv), r = grey(6, 1, rv);
     struct rad_image image;
+    size_t ticks = 0;
 
     ck_assert_int_eq(rad_difference_map(&t, &r, &image, NULL), 0);
     ck_assert_int_gt(image.width, 6);
     for (int x = 0; x < 6; x++)
         for (int c = 0; c < 3; c++)
             ck_assert_int_le(abs(image.rgb[3 * x + c] - want[x][c]), 1);
+    ck_assert_mem_eq(image.rgb + 3 * 6, "\0\0\0", 3);
+    for (int i = image.width * image.height / 2; i < image.width * image.height;
+         i++)
+        ticks += memcmp(image.rgb + 3 * i, "\377\377\377", 3) == 0;
+    ck_assert_uint_gt(ticks, 20);
     free(image.rgb);
     rad_picture_release(&t);
     rad_picture_release(&r);

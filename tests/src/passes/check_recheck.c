@@ -100,6 +100,7 @@ work(void *arg)
 
             ck_assert(
                 rad_refine_make(m->passes, &ctx, tile, &never, &m->of[tile]));
+            ck_assert_double_ge(m->of[tile].shown, 1);
             ck_assert_double_gt(m->of[tile].rays, 0);
             ck_assert_double_lt(m->of[tile].rays,
                                 (double)(ctx.counts.rays - before));

@@ -458,6 +458,24 @@ TEST(stages_close_to_each_other_foresee_nothing)
     }
 }
 
+/* A finer cache takes more rays, but for those that find where paths go: the
+ * more of a stage's rays did that, the farther goes the next in the same time.
+ */
+TEST(finding_paths_is_no_part_of_what_grows)
+{
+    struct rad_refine_ask ask = ask_of(.001, .3, .01, 0);
+    struct rad_refine_rungs few, many;
+    double error;
+
+    set_clock(&ask, 20);
+    ask.sums.rays = ask.check = 1; /* so that pictures cost next to nothing */
+    ask.pixels = 1;
+    ck_assert(rad_refine_next(&ask, &few, &error));
+    ask.pixels = 1000000;
+    ck_assert(rad_refine_next(&ask, &many, &error));
+    ck_assert_int_gt(many.ambient, few.ambient);
+}
+
 /* ... when the last cache is there: no stage has more than a ray of a pixel. */
 TEST(noise_of_pixels_is_taken_away_by_rays)
 {
