@@ -33,7 +33,6 @@ struct active {
     struct pool_unit unit;    /* [fixed] */
     struct strict_pass *pass; /* [mu] NULL: a window */
     enum strict_rank rank;    /* [fixed] a window has the last */
-    enum team_mode mode;      /* [fixed] */
     int row0;                 /* [fixed] the unit's first row, as the sampler
                                * counts rows */
     struct team *team;        /* [fixed] */

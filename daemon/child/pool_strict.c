@@ -58,7 +58,7 @@ pool_end_pass_locked(struct active *u)
     struct team_bottom b;
     int finished;
 
-    spent.primary_rays = u->mode == TEAM_TRUTH ? team_primary(u->team) : 0;
+    spent.primary_rays = team_primary(u->team);
     if (team_blocked(u->team, &finished))
         strict_blocked(u->pass, finished);
     strict_cut(p->strict, u->pass, u->team);

@@ -279,7 +279,6 @@ new_active(struct pool *p, const struct pool_unit *unit,
     u->unit = *unit;
     u->pass = pass;
     u->rank = pass ? pass->rank : STRICT_AHEAD;
-    u->mode = pass ? pass->spec.mode : TEAM_TRUTH;
     u->row0 = pass ? unit->window.y : 0;
     u->wall0 = pool_seconds(CLOCK_MONOTONIC);
     u->channels = p->coded ? 1 : p->frames[unit->frame].depth ? 4 : 3;

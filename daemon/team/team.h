@@ -126,9 +126,9 @@ struct team_made team_made(const struct team *t);
 bool team_done(const struct team *t);
 
 /* The unit's primary rays: pixels that TRUTH wanted in lines whose rows were
- * handed on, whether it traced them or had them as facts.  (A context's count
- * has the traced pixels of all passes.)  Pixels outside of the view do not
- * count. */
+ * handed on, whether it traced them or had them as facts; other modes have
+ * none. (A context's count has the traced pixels of all passes.)  Pixels
+ * outside of the view do not count. */
 uint64_t team_primary(const struct team *t);
 
 #endif

@@ -106,7 +106,7 @@ task_end(struct task *t, struct strict *s, struct msg_counts *spent,
     struct team_bottom b;
     int finished;
 
-    spent->primary_rays = t->mode == TEAM_TRUTH ? team_primary(t->team) : 0;
+    spent->primary_rays = team_primary(t->team);
     if (!t->pass) {
         *total = *spent;
         return team_done(t->team);
