@@ -16,7 +16,6 @@
 #define RADD_CLIENT_PROGRAM_H
 
 #include "compile/compile.h"
-#include "trial/foresee.h"
 #include "trial/outcome.h"
 #include "job/frames.h"
 #include "job/jobspec.h"
@@ -118,7 +117,6 @@ struct program {
     struct program_rescue rescue;
     /* messages */
     struct progress progress;
-    struct foresee *foresee; /* NULL: no trial was begun */
     struct program_said said;
     struct rad_error *err;
 };

@@ -128,19 +128,6 @@ program_warn_of_scene(struct program *p)
     warn_of_blur(p);
 }
 
-/* The share of the job that is done: by its estimated cost; or by its rows, if
- * that is more, for the cost lags behind while units are large. */
-static double
-share_done(const struct msg_progress *m)
-{
-    double cost = m->cost_total > 0 ? m->cost_done / m->cost_total : 0;
-    double rows = m->pixels_total > 0
-                      ? (double)m->pixels_done / (double)m->pixels_total
-                      : 0;
-
-    return cost > rows ? cost : rows;
-}
-
 /* Tell when the job is held for want of room on the disk, and when it goes on.
  */
 static void
@@ -219,7 +206,7 @@ say_alone(struct program *p, const struct progress_report *r,
     bool running = m->state == MSG_STATE_RUNNING;
     double alone_s = progress_alone(&p->said.alone, r, waiting || running);
 
-    p->said.begun |= running || m->workers > 0 || share_done(m) > 0;
+    p->said.begun |= running || m->workers > 0 || msg_progress_share(m) > 0;
     if (alone_s == 0) {
         if (p->said.left && r->workers > 0)
             program_say(p, "a worker is at the job again");
@@ -262,27 +249,14 @@ note_wonder(struct program *p, const struct msg_progress *m)
         p->said.reason[0] = '\0'; /* it may come again, and be news */
 }
 
-/* Have a trial tell how many rays the job will take.  No trial is made of a job
- * with passes, where the share that is done tells as well; with a file of
- * records, which it would have to read; or with a large scene, for the memory
- * that it needs once more. */
-static void
-foresee(struct program *p)
+/* The seconds until the last job is done, if each of several planes takes as
+ * long as the current one; 0: not known. */
+static double
+time_left(const struct program *p, const struct msg_progress *m)
 {
-    enum { MOST_BYTES = 100000000 };
-    struct dryrun_job job = { .scene = p->scene.scene,
-                              .files = compile_files(&p->scene),
-                              .params = &p->o.params,
-                              .frames = p->frames.list,
-                              .nframes = p->frames.n };
-    bool passes = p->job.spec.flags & MSG_JOB_SCENE; /* and so a cache, too */
+    int further = program_jobs(p) - p->planes.at - 1;
 
-    if (p->foresee)
-        progress_foresee(&p->progress, foresee_rays(p->foresee));
-    else if (p->scene.scene && !passes && !p->o.ambient && !p->o.points.file &&
-             p->job.spec.bundle_bytes <= MOST_BYTES &&
-             progress_is_long(&p->progress))
-        p->foresee = foresee_begin(&job);
+    return m->left_s > 0 ? m->left_s + further * (m->elapsed_s + m->left_s) : 0;
 }
 
 void
@@ -292,10 +266,10 @@ program_on_progress(void *arg, const struct msg_progress *m)
     struct program *p = arg;
     struct progress_report r = {
         .elapsed_s = m->elapsed_s,
-        .done = (p->planes.at + share_done(m)) / program_jobs(p),
+        .done = (p->planes.at + msg_progress_share(m)) / program_jobs(p),
         .rays = m->rays,
         .workers = (int)m->workers,
-        .working = m->state == MSG_STATE_RUNNING && m->workers > 0
+        .left_s = time_left(p, m)
     };
     int was[3];
 
@@ -306,7 +280,6 @@ program_on_progress(void *arg, const struct msg_progress *m)
     say_alone(p, &r, m);
     say_stage(p, m);
     note_wonder(p, m);
-    foresee(p);
     if (!lost) { /* else its end is told by another line */
         program_loop_free_for_message(&p->loop, was);
         progress_update(&p->progress, &r);

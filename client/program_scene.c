@@ -35,7 +35,7 @@ try_scene(struct program *p)
     if (bytes)
         job.points = &points;
     if (rc == 0)
-        rc = dryrun_predict(&p->prediction, &job, &dryrun_effort, p->err);
+        rc = dryrun_predict(&p->prediction, &job, p->err);
     if (rc == 0)
         trial_repeat(&p->prediction, program_jobs(p));
     free(bytes);

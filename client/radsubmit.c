@@ -156,8 +156,6 @@ run(struct program *p)
     pointstream_close(&p->stream.input);
     launch_stop(p->cluster.launch);
     local_stop(p->cluster.local);
-    if (!foresee_end(p->foresee, rc < 0))
-        return rc;
     cargo_release(&p->cargo);
     records_release(&p->records);
     compile_release(&p->scene);
@@ -205,7 +203,7 @@ act(struct program *p, int argc, char *argv[])
     }
     if (rc >= 0 && (rc = tell_printed(p->err)) == 0)
         rc = check_errors(p);
-    if (rc < 0) /* main() ends the program: a trial may still use all this */
+    if (rc < 0) /* main() ends the program, and may still tell of all this */
         return rc;
     jobspec_release(&p->job);
     frames_release(&p->frames);
@@ -246,6 +244,6 @@ main(int argc, char *argv[])
     fprintf(stderr, "radsubmit: %s\n", text);
     program_say_where_it_is(&p);
     fflush(stdout);
-    /* not exit(): a trial may still use all this */
+    /* not exit(): libuv would wait until a name is looked up */
     _exit(p.o.rpict_status ? rpict_status(rc) : rad_exit_status(rc));
 }

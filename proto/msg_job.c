@@ -298,6 +298,7 @@ msg_code_progress(struct codec *c, struct msg_progress *b)
     code_u32(c, &b->workers);
     code_u32(c, &b->frames_ready);
     code_amount(c, &b->elapsed_s);
+    code_amount(c, &b->left_s);
     code_u64(c, &b->nan.pixels);
     code_u32(c, &b->nan.frame);
     code_u32(c, &b->nan.x);

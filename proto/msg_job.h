@@ -115,6 +115,7 @@ struct msg_progress {
     uint32_t workers;      /* that work on the job now */
     uint32_t frames_ready; /* the first so many frames can be fetched */
     double elapsed_s;      /* from SUBMIT to the end, or now */
+    double left_s;         /* until the end, as estimated; 0: unknown */
     struct msg_nan nan;    /* in the units that are done; frame is its number */
     struct msg_fault faults[MSG_FAULTS]; /* in the units that are done */
     double error; /* estimated relative error of these units; 0: unknown */
@@ -129,6 +130,19 @@ struct msg_progress {
     double goal_error; /* relative, as estimated when a stage ended; 0: no stage
                         * has ended */
 };
+
+/* The share of the job's work that is done: by its estimated cost; or by its
+ * rows if that is more, for costs are known of whole units. */
+static inline double
+msg_progress_share(const struct msg_progress *p)
+{
+    double cost = p->cost_total > 0 ? p->cost_done / p->cost_total : 0;
+    double rows = p->pixels_total > 0
+                      ? (double)p->pixels_done / (double)p->pixels_total
+                      : 0;
+
+    return cost > rows ? cost : rows;
+}
 
 struct msg_done {
     const uint8_t *job;

@@ -16,10 +16,6 @@
 
 enum { ANSWER_MS = 5000 };
 
-const struct trial_effort dryrun_effort = {
-    .seconds = 3, .pixels = 256, .windows = 4, .side = TRIAL_SIDE
-};
-
 /* --- the cluster --- */
 
 static int
@@ -96,7 +92,7 @@ read_view(struct rad_view *view, const struct dryrun_job *job,
 
 int
 dryrun_predict(struct prediction *p, const struct dryrun_job *job,
-               const struct trial_effort *effort, struct rad_error *err)
+               struct rad_error *err)
 {
     struct rad_view view;
     struct trial_scene tried = { job->scene, &job->files, &view, job->points,
@@ -105,7 +101,7 @@ dryrun_predict(struct prediction *p, const struct dryrun_job *job,
     double pixels = 0;
     int rc = job->points ? 0 : read_view(&view, job, err);
 
-    if (rc < 0 || (rc = trial_run(&t, &tried, job->params, effort, err)) < 0)
+    if (rc < 0 || (rc = trial_run(&t, &tried, job->params, err)) < 0)
         return rc;
     for (uint32_t i = 0; i < job->nframes; i++)
         pixels += (double)job->frames[i].width * job->frames[i].height;

@@ -20,9 +20,6 @@ struct dryrun_cluster {
 int dryrun_ask(struct dryrun_cluster *c, const struct link_where *where,
                const struct target *to, struct rad_error *err);
 
-/* How much work --dry-run spends on its prediction. */
-extern const struct trial_effort dryrun_effort;
-
 /* The job that is predicted.  With --oversample frames have the size of what is
  * rendered. */
 struct dryrun_job {
@@ -38,7 +35,7 @@ struct dryrun_job {
 /* Trace some pixels of the scene and predict all frames of the job, or all of
  * its sensor points. */
 int dryrun_predict(struct prediction *p, const struct dryrun_job *job,
-                   const struct trial_effort *effort, struct rad_error *err);
+                   struct rad_error *err);
 
 /* Print for people.  quality: the number of --quality's word, if its whole set
  * is used; else -1. */

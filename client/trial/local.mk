@@ -2,10 +2,6 @@
 libclient_a_SOURCES += \
 	client/trial/dryrun.c \
 	client/trial/dryrun.h \
-	client/trial/eta.c \
-	client/trial/eta.h \
-	client/trial/foresee.c \
-	client/trial/foresee.h \
 	client/trial/outcome.c \
 	client/trial/outcome.h \
 	client/trial/progress.c \

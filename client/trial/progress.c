@@ -14,10 +14,6 @@
 /* long enough to smooth the lumps in which rays are reported */
 #define RATE_TIME_CONSTANT_S 4.0
 
-/* A trial takes about a second of a processor, so a job must have worked for
- * SHORT_S and have LONG_S to go. */
-static const double SHORT_S = 2, LONG_S = 5;
-
 void
 progress_init(struct progress *p, FILE *to, enum submit_progress when)
 {
@@ -54,7 +50,7 @@ format_left(char *buf, size_t size, double s)
 {
     long t;
 
-    if (!(s >= 0) || s > 3.6e8) /* over 100 000 hours: not known */
+    if (!(s > 0) || s > 3.6e8) /* over 100 000 hours: not known */
         return;
     t = lround(s);
     if (t < 3600)
@@ -66,7 +62,7 @@ format_left(char *buf, size_t size, double s)
 
 void
 progress_format(char *buf, size_t size, const struct progress_report *r,
-                double rays_per_s, double left_s)
+                double rays_per_s)
 {
     char rate[RAD_NUMBER_TEXT + 10] = "", left[40] = "";
     char workers[40] = "  no worker", brief[RAD_NUMBER_TEXT];
@@ -78,7 +74,7 @@ progress_format(char *buf, size_t size, const struct progress_report *r,
         snprintf(rate, sizeof rate, "  %s rays/s", brief);
     }
     if (working && !over)
-        format_left(left, sizeof left, left_s);
+        format_left(left, sizeof left, r->left_s);
     if (over)
         workers[0] = '\0'; /* workers have gone on to other jobs */
     else if (working)
@@ -140,40 +136,20 @@ void
 progress_update(struct progress *p, const struct progress_report *r)
 {
     char line[160];
-    double left_s;
-    const struct eta_look look = { .elapsed_s = r->elapsed_s,
-                                   .done = r->done,
-                                   .rays = (double)r->rays,
-                                   .working = r->working };
 
     if (!p->to)
         return;
     take_rate(p, r);
-    left_s = eta_take(&p->eta, &look);
-    p->done = r->done;
     if (r->done >= 1 && r->elapsed_s > 0) /* the job is done: show the mean */
         p->rate = (double)r->rays / r->elapsed_s;
     if (too_soon(p, r->elapsed_s))
         return;
-    progress_format(line, sizeof line, r, p->rate, left_s);
+    progress_format(line, sizeof line, r, p->rate);
     if (p->terminal)
         show_in_place(p, line);
     else
         fprintf(p->to, "%s\n", line);
     fflush(p->to);
-}
-
-bool
-progress_is_long(const struct progress *p)
-{
-    return p->to && p->eta.work_s > SHORT_S &&
-           eta_by_share(&p->eta, p->done) > LONG_S;
-}
-
-void
-progress_foresee(struct progress *p, double rays)
-{
-    eta_foresee(&p->eta, rays);
 }
 
 double

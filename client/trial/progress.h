@@ -6,12 +6,12 @@
  * at 100 %.  On a terminal the line is overwritten by the next one, and cut at
  * the terminal's width; elsewhere nothing is shown, but with PROGRESS_ALWAYS
  * each report is a line.  Rays per second are a mean with a time
- * constant of some seconds.  The time left comes from eta.h. Thread: one. */
+ * constant of some seconds.  The time left is the coordinator's estimate.
+ * Thread: one. */
 #ifndef RADD_CLIENT_PROGRESS_H
 #define RADD_CLIENT_PROGRESS_H
 
 #include "job/submit_options.h"
-#include "trial/eta.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -23,7 +23,7 @@ struct progress_report {
     double done;      /* share of the estimated cost, 0..1 */
     uint64_t rays;    /* so far; 0: not known yet */
     int workers;      /* at the job now */
-    bool working;     /* it neither waits nor is paused or held */
+    double left_s;    /* until it is done; 0: not known */
 };
 
 struct progress {
@@ -36,8 +36,6 @@ struct progress {
     double last_s;  /* elapsed_s of the last report; < 0: none */
     uint64_t last_rays;
     double rate; /* rays a second, smoothed */
-    struct eta eta;
-    double done; /* of the last report */
 };
 
 void progress_init(struct progress *p, FILE *to, enum submit_progress when);
@@ -48,13 +46,6 @@ void progress_every(struct progress *p, FILE *to, double every_s);
 
 /* Take a report and show it. */
 void progress_update(struct progress *p, const struct progress_report *r);
-
-/* Is progress shown, has the job worked for some seconds, and is its end far
- * away by the share that is done?  Then a trial is worth its cost. */
-bool progress_is_long(const struct progress *p);
-
-/* A trial's result: the rays of the whole job; 0: the trial has begun. */
-void progress_foresee(struct progress *p, double rays);
 
 /* Remove the line from the terminal, before other output. */
 void progress_clear(struct progress *p);
@@ -72,9 +63,8 @@ struct progress_alone {
 double progress_alone(struct progress_alone *a, const struct progress_report *r,
                       bool working);
 
-/* Format the line, without a newline and always terminated.  left_s < 0: not
- * known, and left out. */
+/* Format the line, without a newline and always terminated. */
 void progress_format(char *buf, size_t size, const struct progress_report *r,
-                     double rays_per_s, double left_s);
+                     double rays_per_s);
 
 #endif

@@ -18,17 +18,11 @@ enum { FIRST = 64, MOST_WINDOWS = 32, RECORDS = 64 };
 #define AREAS_TRIED  (1. / 300)
 #define PLACES_TRIED (1. / 1500)
 
-static bool
-stopped(const struct trial_effort *e)
-{
-    return e->stop && atomic_load_explicit(e->stop, memory_order_relaxed);
-}
-
-static int
-fail_stopped(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ETEMPFAIL, "the trial was stopped");
-}
+/* Processor time of a trial, roughly, and its least numbers of strewn pixels and
+ * of windows.  With fewer it tells little, so these are traced however long they
+ * take. */
+static const double SECONDS = 3;
+enum { LEAST_PIXELS = 256, LEAST_WINDOWS = 4, SIDE = 64 };
 
 static double
 cpu_seconds(void)
@@ -157,19 +151,18 @@ trace_place(const struct rad_frame *f, struct rad_ctx *ctx, long k)
     rad_frame_pixel(f, ctx, x, y, &out);
 }
 
-/* Trace pixels all over the picture, until most of the effort's seconds are
+/* Trace pixels all over the picture, until most of SECONDS are
  * over or a fair part of the pixels is traced. */
 static int
-try_pixels(struct trial *t, struct stand *s, const struct trial_effort *e,
-           struct rad_error *err)
+try_pixels(struct trial *t, struct stand *s, struct rad_error *err)
 {
-    double begin = cpu_seconds(), seconds = .6 * e->seconds;
+    double begin = cpu_seconds(), seconds = .6 * SECONDS;
     long most = (long)s->frame.width * s->frame.height / 4 + 1;
     long next = FIRST, n = 0;
     int rc = 0;
 
-    while (rc == 0 && n < most && t->nsteps < 39 && !stopped(e) &&
-           (n < e->pixels || cpu_seconds() - begin < seconds)) {
+    while (rc == 0 && n < most && t->nsteps < 39 &&
+           (n < LEAST_PIXELS || cpu_seconds() - begin < seconds)) {
         trace_place(&s->frame, &s->ctx, ++n);
         if (n == next) {
             if ((rc = keep_records(s, false, err)) == 0)
@@ -311,15 +304,15 @@ common_factor(int a, int b)
 }
 
 static struct grid
-lay_grid(const struct rad_frame *f, int side)
+lay_grid(const struct rad_frame *f)
 {
     const double golden = .61803398874989485;
     struct grid g = { 0 };
     int xstep, ystep, n;
 
     rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
-    g.window.width = whole_steps(f->width, side, xstep);
-    g.window.height = whole_steps(f->height, side, ystep);
+    g.window.width = whole_steps(f->width, SIDE, xstep);
+    g.window.height = whole_steps(f->height, SIDE, ystep);
     g.columns = (f->width + g.window.width - 1) / g.window.width;
     g.rows = (f->height + g.window.height - 1) / g.window.height;
     n = g.columns * g.rows;
@@ -349,22 +342,21 @@ window_at(struct grid *g, const struct rad_frame *f, int k)
 }
 
 static int
-try_windows(struct trial *t, struct stand *s, const struct trial_effort *e,
-            struct rad_error *err)
+try_windows(struct trial *t, struct stand *s, struct rad_error *err)
 {
-    int side = e->side, n, rc = 0;
-    struct rad_pixel *pixels = malloc(sizeof *pixels * (size_t)(side * side));
-    struct rad_pixel *rows[TRIAL_SIDE];
-    struct grid g = lay_grid(&s->frame, side);
-    double begin = cpu_seconds(), seconds = .4 * e->seconds;
+    int n, rc = 0;
+    struct rad_pixel *pixels = malloc(sizeof *pixels * SIDE * SIDE);
+    struct rad_pixel *rows[SIDE];
+    struct grid g = lay_grid(&s->frame);
+    double begin = cpu_seconds(), seconds = .4 * SECONDS;
 
     if (!pixels)
         return rad_fail_memory(err);
-    for (int i = 0; i < side; i++)
-        rows[i] = pixels + side * i;
+    for (int i = 0; i < SIDE; i++)
+        rows[i] = pixels + SIDE * i;
     n = g.columns * g.rows < MOST_WINDOWS ? g.columns * g.rows : MOST_WINDOWS;
-    for (int k = 0; rc == 0 && k < n && !stopped(e); k++) {
-        if (k >= e->windows && cpu_seconds() - begin > seconds)
+    for (int k = 0; rc == 0 && k < n; k++) {
+        if (k >= LEAST_WINDOWS && cpu_seconds() - begin > seconds)
             break;
         rc = try_window(t, s, window_at(&g, &s->frame, k), rows, err);
     }
@@ -374,8 +366,7 @@ try_windows(struct trial *t, struct stand *s, const struct trial_effort *e,
 
 int
 trial_run(struct trial *t, const struct trial_scene *scene,
-          const struct rad_params *params, const struct trial_effort *effort,
-          struct rad_error *err)
+          const struct rad_params *params, struct rad_error *err)
 {
     struct rad_params tried = *params;
     double begin = cpu_seconds();
@@ -388,10 +379,8 @@ trial_run(struct trial *t, const struct trial_scene *scene,
     if ((rc = stand_init(&s, scene, &tried, err)) < 0)
         return rc;
     t->load_s = cpu_seconds() - begin;
-    if ((rc = try_pixels(t, &s, effort, err)) == 0)
-        rc = try_windows(t, &s, effort, err);
-    if (rc == 0 && stopped(effort))
-        rc = fail_stopped(err);
+    if ((rc = try_pixels(t, &s, err)) == 0)
+        rc = try_windows(t, &s, err);
     t->peak_bytes = peak_bytes();
     stand_release(&s);
     return rc;

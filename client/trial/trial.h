@@ -11,8 +11,6 @@
 
 #include "picture/doubt.h"
 
-#include <stdatomic.h>
-
 /* The measurements. */
 struct trial {
     double load_s; /* processor time to load the scene */
@@ -52,29 +50,15 @@ struct trial_scene {
     bool passes;                     /* its cache is filled in passes */
 };
 
-/* The effort of a trial.  With fewer pixels and windows than these it tells
- * little, so they are traced however long they take. */
-struct trial_effort {
-    double seconds;           /* processor time, roughly */
-    int pixels;               /* least number of strewn pixels */
-    int windows;              /* least number of windows */
-    int side;                 /* their side, TRIAL_SIDE at most */
-    const _Atomic bool *stop; /* ends the trial within a pixel or a window; may
-                               * be NULL */
-};
-
-enum { TRIAL_SIDE = 64 };
-
 /* With a cache a trial has at most TRIAL_BOUNCES.  In a trial a record has all
  * records made that its rays need, down to the last bounce, before it is done
  * itself, while passes make those by paths: with six bounces the first pixel of
  * a room with many objects would take minutes. */
 enum { TRIAL_BOUNCES = 3 };
 
-/* Measure.  RAD_ETEMPFAIL: it was stopped. */
+/* Measure. */
 int trial_run(struct trial *t, const struct trial_scene *scene,
-              const struct rad_params *params,
-              const struct trial_effort *effort, struct rad_error *err);
+              const struct rad_params *params, struct rad_error *err);
 
 /* The prediction for that many jobs, one after another. */
 void trial_repeat(struct prediction *p, int times);

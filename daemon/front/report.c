@@ -331,7 +331,6 @@ report_job(const struct coord *c, const struct job *job, size_t label)
     char text[MSG_MAX_TEXT + 1];
     struct msg_progress p;
     struct job_size size = job_size(job);
-    double left = progress_left_s(job);
     json_t *o;
 
     progress_tell(job, c->now_ms, &p);
@@ -341,7 +340,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         "s:f,s:f,s:f,s:s,s:i}",
         "job", job->hex, "name", name, "owner", job->owner, "state",
         job_is(job), "priority", (int)job->spec.priority, "done",
-        progress_share(&p), "frames", (json_int_t)job->spec.nframes,
+        msg_progress_share(&p), "frames", (json_int_t)job->spec.nframes,
         "frames_ready", (json_int_t)p.frames_ready, "width",
         (json_int_t)size.width, "height", (json_int_t)size.height, "oversample",
         (json_int_t)size.oversample, "units_done", (json_int_t)p.units_done,
@@ -352,8 +351,8 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         job->status);
     if (!o)
         return NULL;
-    if (left >= 0)
-        json_object_set_new(o, "left_s", json_real(left));
+    if (p.left_s > 0)
+        json_object_set_new(o, "left_s", json_real(p.left_s));
     add_traffic(o, job);
     add_passes(o, job);
     add_goal(o, job);

@@ -89,6 +89,20 @@ progress_left_out(const struct job *job)
     return rad_doubt_left_out(&d);
 }
 
+/* Seconds that the job will still take with the workers that are at it, if each
+ * does as much as one did so far; 0: not known yet, or no worker is at it. */
+static double
+left_s(const struct job *job)
+{
+    const struct progress_pace *p = &job->pace;
+    double gain = p->share - p->first_share;
+
+    if (job->state != JOB_RUNNING || p->workers == 0 || p->work_s < ENOUGH_S ||
+        !(gain >= ENOUGH))
+        return 0;
+    return fmax(1 - p->share, 0) / gain * p->work_s / p->workers;
+}
+
 void
 progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
 {
@@ -113,6 +127,7 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
         .frames_ready = job->frames_ready,
         .elapsed_s = (double)(until - job->submit_ms) / 1000,
+        .left_s = left_s(job),
         .nan = job->nan,
         .error = progress_error(job).all,
         .left_out = progress_left_out(job),
@@ -122,18 +137,6 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .goal_error = job->goal.error,
     };
     memcpy(p->faults, job->faults, sizeof p->faults);
-}
-
-/* Costs are those of whole units, so rows may tell more if units are few. */
-double
-progress_share(const struct msg_progress *p)
-{
-    double done = p->cost_total > 0 ? p->cost_done / p->cost_total : 0;
-    double rows = p->pixels_total > 0
-                      ? (double)p->pixels_done / (double)p->pixels_total
-                      : 0;
-
-    return fmax(done, rows);
 }
 
 void
@@ -146,7 +149,7 @@ progress_pace(struct job *job, uint64_t now_ms, uint32_t workers)
     if (p->look_ms > 0 && workers == p->workers && dt_s < PACE_S)
         return;
     progress_tell(job, now_ms, &now);
-    p->share = progress_share(&now);
+    p->share = msg_progress_share(&now);
     if (p->look_ms == 0 || p->share < p->first_share) {
         p->first_share = p->share;
         p->work_s = 0;
@@ -155,16 +158,4 @@ progress_pace(struct job *job, uint64_t now_ms, uint32_t workers)
     }
     p->look_ms = now_ms;
     p->workers = workers;
-}
-
-double
-progress_left_s(const struct job *job)
-{
-    const struct progress_pace *p = &job->pace;
-    double gain = p->share - p->first_share;
-
-    if (job->state != JOB_RUNNING || p->workers == 0 || p->work_s < ENOUGH_S ||
-        !(gain >= ENOUGH))
-        return -1;
-    return fmax(1 - p->share, 0) / gain * p->work_s / p->workers;
 }

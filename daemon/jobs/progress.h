@@ -43,14 +43,8 @@ double progress_left_out(const struct job *job);
 void progress_tell(const struct job *job, uint64_t now_ms,
                    struct msg_progress *p);
 
-/* The share of the job's work that is done. */
-double progress_share(const struct msg_progress *p);
-
-/* Look at the job's pace; workers: so many are at it.  Called every tick. */
+/* Look at the job's pace, by which PROGRESS tells the time that is left;
+ * workers: so many are at the job.  Called every tick. */
 void progress_pace(struct job *job, uint64_t now_ms, uint32_t workers);
-
-/* Seconds that the job will still take with the workers that are at it, if each
- * does as much as one did so far; < 0: not known yet, or no worker is at it. */
-double progress_left_s(const struct job *job);
 
 #endif

@@ -317,30 +317,27 @@ TEST(outputs_that_cannot_be_are_known_before)
 
 static const struct {
     struct progress_report r;
-    double rate, left_s;
+    double rate;
     const char *line;
 } lines[] = {
-    { { 9, .425, 5, 3, true },
+    { { 9, .425, 5, 3, 65 },
       1.254e6,
-      65,
       " 42 %  1.25 M rays/s  1:05 left  3 workers" },
-    { { 9, 0, 0, 1, true }, 0, -1, "  0 %  1 worker" },
-    { { 9, .1, 5, 1, true }, 250, -1, " 10 %  250 rays/s  1 worker" },
-    { { 9, .1, 5, 0, true }, 250, 70, " 10 %  no worker" },
-    { { 9, .9999, 5, 2, true },
+    { { 9, 0, 0, 1, 0 }, 0, "  0 %  1 worker" },
+    { { 9, .1, 5, 1, 0 }, 250, " 10 %  250 rays/s  1 worker" },
+    { { 9, .1, 5, 0, 70 }, 250, " 10 %  no worker" },
+    { { 9, .9999, 5, 2, 3725 },
       999.6,
-      3725,
       " 99 %  1.00 k rays/s  1:02:05 left  2 workers" },
-    { { 9, 1, 5, 2, true }, 99960, 0, "100 %  100 k rays/s" },
-    { { 9, 1, 5, 0, true }, 99960, 0, "100 %  100 k rays/s" },
+    { { 9, 1, 5, 2, 0 }, 99960, "100 %  100 k rays/s" },
+    { { 9, 1, 5, 0, 0 }, 99960, "100 %  100 k rays/s" },
 };
 
 LOOP_TEST(progress_says_what_is_left, N_ELEM(lines))
 {
     char buf[200];
 
-    progress_format(buf, sizeof buf, &lines[_i].r, lines[_i].rate,
-                    lines[_i].left_s);
+    progress_format(buf, sizeof buf, &lines[_i].r, lines[_i].rate);
     ck_assert_str_eq(buf, lines[_i].line);
 }
 
@@ -433,8 +430,8 @@ static const struct {
 LOOP_TEST(progress_keeps_to_its_line_of_a_terminal, N_ELEM(terminals))
 {
     struct winsize size = { .ws_col = terminals[_i].columns };
-    struct progress_report half = { 10, .5, 1000, 1, true };
-    struct progress_report done = { 10, 1, 1000, 1, true };
+    struct progress_report half = { 10, .5, 1000, 1, 10 };
+    struct progress_report done = { 10, 1, 1000, 1, 0 };
     struct progress p;
     char buf[400];
     int master = posix_openpt(O_RDWR | O_NOCTTY);
@@ -463,7 +460,7 @@ LOOP_TEST(progress_keeps_to_its_line_of_a_terminal, N_ELEM(terminals))
 TEST(progress_is_silent_where_nobody_looks)
 {
     struct progress p;
-    struct progress_report r = { 10, .5, 1000, 1, true };
+    struct progress_report r = { 10, .5, 1000, 1, 10 };
     FILE *f = tmpfile();
     char buf[200];
 

@@ -4,7 +4,6 @@ UNIT_TESTS += \
 	tests/client/check_client \
 	tests/client/check_compile \
 	tests/client/check_costs \
-	tests/client/check_eta \
 	tests/client/check_link \
 	tests/client/check_options \
 	tests/client/check_origin \
@@ -14,4 +13,5 @@ UNIT_TESTS += \
 	tests/client/check_show \
 	tests/client/check_submit \
 	tests/client/check_surroundings \
-	tests/client/check_top
+	tests/client/check_top \
+	tests/client/check_trial

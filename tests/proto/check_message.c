@@ -59,7 +59,7 @@ static const struct msg examples[] = {
     { .type = MSG_ACCEPT, .request = 3, .accept = { ID, 1, ID + 1 } },
     { .type = MSG_PROGRESS, .request = 3,
       .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5,
-                    { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } }, .0625,
+                    .25, { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } }, .0625,
                     .5, 2, 1, { 3, 4 }, .125 } },
     { .type = MSG_DONE, .request = 3, .done = { ID, 2 } },
     { .type = MSG_FAILED, .request = 3, .failed = { ID, 70, "no light" } },
@@ -433,6 +433,7 @@ static const struct {
     { MSG_PROGRESS, offsetof(struct msg, progress.cost_done) },
     { MSG_PROGRESS, offsetof(struct msg, progress.cost_total) },
     { MSG_PROGRESS, offsetof(struct msg, progress.elapsed_s) },
+    { MSG_PROGRESS, offsetof(struct msg, progress.left_s) },
     { MSG_PROGRESS, offsetof(struct msg, progress.error) },
     { MSG_PROGRESS, offsetof(struct msg, progress.goal_error) },
 };
