@@ -375,8 +375,9 @@ program_check_outputs(const struct program *p)
 }
 
 int
-program_check_apart(struct program *p, const struct inputs *in)
+program_check_apart(struct program *p)
 {
+    const struct inputs *in = &p->words.inputs;
     int rc = apart_inputs(&p->o, &p->frames, in, p->err);
 
     if (rc < 0 && p->own_stderr > 0 && inputs_find(in, p->o.errors) &&

@@ -10,7 +10,7 @@ int program_check_outputs(const struct program *p);
 int program_check_ambient(struct program *p);
 /* RAD_EUSAGE: an output is an input file.  If that is the file of -e, what was
  * added to it is removed again, and standard error is what it was. */
-int program_check_apart(struct program *p, const struct inputs *in);
+int program_check_apart(struct program *p);
 
 /* Take results of the job (submit.h). */
 int program_on_preview(void *program, const uint8_t *picture, size_t len,

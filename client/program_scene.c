@@ -140,7 +140,8 @@ compile_work(uv_work_t *w)
     if (!p->scene.scene) {
         c->rc = compile_scene(&p->scene, (const char *const *)p->o.scenes,
                               p->o.nscenes, p->o.commands,
-                              local_folder(p->cluster.local), p->err);
+                              local_folder(p->cluster.local), &p->words.inputs,
+                              p->err);
         p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
     }
     if (c->rc == 0) {
@@ -167,6 +168,7 @@ program_compile(struct program *p)
 {
     struct compiling c = { .p = p };
     uv_work_t work = { .data = &c };
+    int rc;
 
     if (uv_queue_work(&p->loop.uv, &work, compile_work, compile_done) != 0)
         return rad_fail_memory(p->err);
@@ -177,9 +179,8 @@ program_compile(struct program *p)
             _exit(EX_TEMPFAIL);
         }
     }
-    if (c.rc < 0)
-        return c.rc;
-    return program_check_apart(p, &p->scene.paths.inputs);
+    rc = program_check_apart(p); /* first, for it closes a wrong file of -e */
+    return c.rc < 0 ? c.rc : rc;
 }
 
 int

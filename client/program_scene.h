@@ -1,8 +1,8 @@
 /* program_scene.h - radsubmit's scene, compiled from the user's files
  *
  * It is compiled on a thread of libuv's pool, so that a signal can end the
- * program meanwhile; the thread has p->scene, p->frames and p->err for itself
- * until it is done. */
+ * program meanwhile; the thread has p->scene, p->words.inputs, p->frames
+ * and p->err for itself until it is done. */
 #ifndef RADD_CLIENT_PROGRAM_SCENE_H
 #define RADD_CLIENT_PROGRAM_SCENE_H
 

@@ -110,7 +110,7 @@ prepare(struct program *p)
         (rc = jobspec_check_goal(&p->o, p->frames.n, p->err)) < 0 ||
         (rc = jobspec_check_windows(&p->o, &p->frames, p->err)) < 0 ||
         (rc = inputs_add(in, "the key", p->cluster.target.key, p->err)) < 0 ||
-        (rc = program_check_apart(p, in)) < 0 ||
+        (rc = program_check_apart(p)) < 0 ||
         (rc = jobspec_read_costs(&p->job, &p->o, &p->frames, p->err)) < 0 ||
         (rc = program_check_outputs(p)) < 0)
         return rc;

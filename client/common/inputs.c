@@ -21,7 +21,7 @@ static int
 add(struct inputs *in, const char *what, const struct stat *st,
     struct rad_error *err)
 {
-    if (!S_ISREG(st->st_mode) || find(in, st))
+    if (!in || !S_ISREG(st->st_mode) || find(in, st))
         return 0;
     if (!rad_list_grow(&in->list, in->n, sizeof *in->list))
         return rad_fail_memory(err);

@@ -23,8 +23,8 @@ struct inputs {
 };
 
 /* Note a file by its name (NULL: none), or by a descriptor.  A missing file, or
- * one that is not regular, is not noted.  what must outlive *in.  RAD_ENOMEM.
- */
+ * one that is not regular, is not noted.  what must outlive *in.  in may be
+ * NULL.  RAD_ENOMEM. */
 int inputs_add(struct inputs *in, const char *what, const char *path,
                struct rad_error *err);
 int inputs_add_fd(struct inputs *in, const char *what, int fd,

@@ -374,6 +374,7 @@ read_scene(struct compiled *c, const char *const *files, int n, bool commands,
     rad_bundle_init(&c->bundle);
     c->scene = rad_scene_new();
     rc = c->scene ? paths_init(&c->paths, err) : rad_fail_memory(err);
+    c->paths.inputs = r->inputs;
     for (int i = 0; c->paths.raypath && i < n && (r->each || !rc); i++) {
         int now = files[i][0] == '!' ? reading_command(r, files[i], err)
                                      : reading_file(r, files[i], n == 1, err);
@@ -418,32 +419,41 @@ judge(void *arg, const struct rad_error *err)
         reading_warn(arg, err);
 }
 
+static int
+read_and_check(struct reading *r, const char *const *files, int n,
+               bool commands, struct rad_error *err)
+{
+    struct compiled *c = r->c;
+    int now, rc = read_scene(c, files, n, commands, r, err);
+
+    if (rc && (!r->each || r->octree || !c->paths.raypath)) {
+        compile_release(c);
+        return rc;
+    }
+    /* look for errors in what was read, too */
+    now = include_parts(c, r->each, r->arg, err);
+    rc = rc ? rc : now;
+    if (!rc || r->each) {
+        now = rad_scene_check(c->scene, judge, r, err);
+        rc = rc ? rc : now;
+    }
+    if (!rc || r->each) {
+        now = visit_files(c, r, find_file, NULL, err);
+        rc = rc ? rc : now;
+    }
+    if (rc)
+        compile_release(c);
+    return rc;
+}
+
 int
 compile_read(struct compiled *c, const char *const *files, int n, bool commands,
              void (*each)(void *arg, const struct rad_error *err), void *arg,
              struct rad_error *err)
 {
     struct reading r = { .c = c, .each = each, .arg = arg };
-    int now, rc = read_scene(c, files, n, commands, &r, err);
 
-    if (rc && (!each || r.octree || !c->paths.raypath)) {
-        compile_release(c);
-        return rc;
-    }
-    /* look for errors in what was read, too */
-    now = include_parts(c, each, arg, err);
-    rc = rc ? rc : now;
-    if (!rc || each) {
-        now = rad_scene_check(c->scene, judge, &r, err);
-        rc = rc ? rc : now;
-    }
-    if (!rc || each) {
-        now = visit_files(c, &r, find_file, NULL, err);
-        rc = rc ? rc : now;
-    }
-    if (rc)
-        compile_release(c);
-    return rc;
+    return read_and_check(&r, files, n, commands, err);
 }
 
 int
@@ -542,9 +552,11 @@ compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
 
 int
 compile_scene(struct compiled *c, const char *const *files, int n,
-              bool commands, const char *dir, struct rad_error *err)
+              bool commands, const char *dir, struct inputs *inputs,
+              struct rad_error *err)
 {
-    int rc = compile_read(c, files, n, commands, NULL, NULL, err);
+    struct reading r = { .c = c, .inputs = inputs };
+    int rc = read_and_check(&r, files, n, commands, err);
 
     if (rc)
         return rc;

@@ -81,9 +81,11 @@ int compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
 
 /* Read and check a scene, and write its bundle: the frozen octree and the files
  * that the scene needs, into the existing folder dir, under their hashes
- * (cargo.h). */
+ * (cargo.h).  The files that were read, on failure as well, are noted in
+ * inputs, which may be NULL and must outlive *c. */
 int compile_scene(struct compiled *c, const char *const *files, int n,
-                  bool commands, const char *dir, struct rad_error *err);
+                  bool commands, const char *dir, struct inputs *inputs,
+                  struct rad_error *err);
 
 void compile_release(struct compiled *c);
 

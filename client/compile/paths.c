@@ -32,7 +32,6 @@ paths_release(struct paths *p)
     for (int i = 0; i < p->n; i++)
         free(p->folders[i]);
     free(p->folders);
-    inputs_release(&p->inputs);
     free(p->raypath);
     memset(p, 0, sizeof *p);
 }
@@ -178,7 +177,7 @@ find_input(struct paths *p, const char *name, struct rad_error *err)
 {
     char *path = paths_find(p, name, err);
 
-    if (path && inputs_add(&p->inputs, "a file of the scene", path, err) < 0) {
+    if (path && inputs_add(p->inputs, "a file of the scene", path, err) < 0) {
         free(path);
         return NULL;
     }

@@ -19,7 +19,8 @@ struct paths {
     char **folders; /* of the scene's files, without "." */
     int n;
     char *raypath;
-    struct inputs inputs; /* files that were read */
+    struct inputs
+        *inputs; /* where files that are read are noted; may be NULL */
 };
 
 /* Take RAYPATH from the environment. */

@@ -258,7 +258,7 @@ reading_file(struct reading *r, const char *file, bool alone,
     if (!rc)
         rc = paths_add_file(paths, file, &now);
     if (!rc)
-        rc = inputs_add_fd(&paths->inputs, "a file of the scene", src->fd.fd,
+        rc = inputs_add_fd(paths->inputs, "a file of the scene", src->fd.fd,
                            &now);
     if (!rc && alone && src->len == 0 && strcmp(file, "-") == 0)
         rc = rad_fail(&now, RAD_EDATA,

@@ -9,6 +9,7 @@
 
 struct reading {
     struct compiled *c; /* for its scene and its paths */
+    struct inputs *inputs; /* for its paths; may be NULL */
     const char *folder; /* of the file that is being read */
     bool told;          /* the error that ended the reading was reported */
     bool octree;        /* the file is an octree: a failure makes the scene

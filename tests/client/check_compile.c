@@ -238,7 +238,7 @@ manifest_of(struct compiled *c)
     char *text;
 
     mkdir(in_dir("out"), 0700);
-    if (compile_scene(c, &file, 1, false, in_dir("out"), &err))
+    if (compile_scene(c, &file, 1, false, in_dir("out"), NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     text = rad_bundle_format(&c->bundle, &len);
     ck_assert_ptr_nonnull(text);
@@ -495,7 +495,7 @@ LOOP_TEST(known_scenes_compile, 4)
     struct compiled c;
     struct rad_error err = { 0 };
 
-    if (compile_scene(&c, &file, 1, false, dir, &err))
+    if (compile_scene(&c, &file, 1, false, dir, NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     ck_assert_int_eq(c.scene->nobjects, scenes[_i].objects);
     compile_release(&c);

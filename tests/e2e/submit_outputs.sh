@@ -148,6 +148,13 @@ cp one.cal before.cal
 cp user.key before.key
 refused "'one.cal' is a file of the scene: -e would" -vf v.vf -e one.cal -o x.hdr \
     with.rad
+# not even by the message that the scene cannot be read
+printf 'one : 1 +;' >one.cal
+cp one.cal bad.cal
+expect 65 "one.cal" "-e of a broken .cal" $render -vf v.vf -e one.cal -o x.hdr \
+    with.rad
+cmp one.cal bad.cal || fail "-e changed a broken .cal"
+cp before.cal one.cal
 expect 64 "'user.key' is the key: -e would" "-e KEY" env RADD_KEY=user.key \
     "$radsubmit" --coordinator=127.0.0.1:1 -e user.key -o x.hdr room.rad
 cmp one.cal before.cal && cmp user.key before.key || fail "-e changed a file"
