@@ -345,8 +345,8 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
         log_warn("clock wrong by_s=%llu: the date is as it was last known",
                  (unsigned long long)(r->noted_ms - clock) / 1000);
     r->clock_ms = r->noted_ms - daemon_now(&r->daemon);
-    if (store_recover(r->store, radcoord_now(r), recover_one, r, err) < 0 ||
-        store_read_drained(r->store, recover_worker, r, err) < 0)
+    if (store_read_drained(r->store, recover_worker, r, err) < 0 ||
+        store_recover(r->store, radcoord_now(r), recover_one, r, err) < 0)
         return err->code;
     coord_set_epoch(r->coord, epoch);
     radcoord_apply(r);

@@ -80,14 +80,15 @@ int store_begin_life(struct store *s, uint64_t *date_ms, uint64_t *epoch,
 /* Note the date, every hour or so. */
 void store_note_date(struct store *s, uint64_t date_ms);
 /* Take up the jobs of earlier processes, before all other requests; waits for
- * the disk.  fn is called for each job that the database has, in the order in
- * which the jobs were accepted, and may read rows of units in *s with
- * store_read_row(). */
+ * the disk, but not for room on it.  fn is called for each job that the
+ * database has, in the order in which the jobs were accepted, and may read rows
+ * of units in *s with store_read_row(). */
 typedef int store_job_fn(void *arg, const struct saved_job *s,
                          struct rad_error *err);
 int store_recover(struct store *s, uint64_t now_ms, store_job_fn *fn, void *arg,
                   struct rad_error *err);
-/* Call fn for each worker that an earlier process left drained. */
+/* Call fn for each worker that an earlier process left drained; before
+ * store_recover(). */
 typedef int store_worker_fn(void *arg, const char *worker,
                             struct rad_error *err);
 int store_read_drained(struct store *s, store_worker_fn *fn, void *arg,

@@ -43,6 +43,7 @@ struct store {
     _Atomic unsigned previews;  /* open files of previews */
     bool full;                  /* [loop] the handler was told that the disk is
                                  * full */
+    uint64_t begun_ms;          /* [fixed] the date of store_begin_life() */
     size_t backlog;             /* [loop] */
     struct saved_task *opening; /* [loop] jobs that wait to be kept, or are
                                  * being kept, the oldest first */

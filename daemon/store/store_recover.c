@@ -26,6 +26,7 @@
 struct recovery {
     struct store *s;
     uint64_t now_ms;
+    bool full; /* nothing of this is noted: the disk is full */
     journal_job_fn *fn;
     void *arg;
 };
@@ -169,15 +170,16 @@ check_fate(void *arg, const uint8_t job[MSG_JOB], bool going,
 }
 
 /* After the commit: remove the folder, or the rest of its rows, if it is to go.
- */
+ * The name of one that goes stays while the database has the job. */
 static int
 tidy(void *arg, const uint8_t job[MSG_JOB], bool going, struct rad_error *err)
 {
-    struct store *s = arg;
+    const struct recovery *r = arg;
+    struct store *s = r->s;
     enum statedir_fate fate;
     int rc = statedir_fate(s->journal, &s->folder, job, going, &fate, err);
 
-    if (rc < 0)
+    if (rc < 0 || (going && r->full))
         return rc;
     if (fate == STATEDIR_TO_GO) {
         while (!going && folder_forget(&s->folder, job))
@@ -198,10 +200,51 @@ store_begin_life(struct store *s, uint64_t *date_ms, uint64_t *epoch,
     struct rad_error why = { 0 };
 
     *epoch = *date_ms;
-    if (!s->journal ||
-        journal_begin_life(s->journal, date_ms, epoch, &why) == 0)
+    if (s->journal && journal_begin_life(s->journal, date_ms, epoch, &why) < 0)
+        return store_refuse(s, &why, err);
+    s->begun_ms = *date_ms;
+    return 0;
+}
+
+static int
+life_run(struct task *t)
+{
+    struct store *s = store_of(t);
+    uint64_t date_ms = s->begun_ms, epoch;
+
+    return journal_begin_life(s->journal, &date_ms, &epoch, &t->err);
+}
+
+/* Commit what the recovery noted.  On a full disk this is undone, and the life
+ * is noted as soon as there is room, before all else.  The rest the next life
+ * finds again: which rows are damaged, which folders are to go. */
+static int
+commit(struct recovery *r, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    int rc = journal_commit(r->s->journal, &why);
+
+    r->full = rc == RAD_EFULL;
+    if (!r->full)
+        return rc < 0 ? rad_fail(err, rc, "%s", why.what) : 0;
+    log_warn("disk full, what was found is not noted why=%s", why.what);
+    journal_rollback(r->s->journal);
+    return 0;
+}
+
+/* From now on the journal is the pool thread's. */
+static int
+note_life(struct recovery *r, struct rad_error *err)
+{
+    struct task *t;
+
+    if (!r->full)
         return 0;
-    return store_refuse(s, &why, err);
+    t = store_new_task(r->s, sizeof *t, life_run, store_free_task);
+    if (!t)
+        return rad_fail_memory(err);
+    store_push_lasting(r->s, t);
+    return 0;
 }
 
 int
@@ -221,9 +264,11 @@ store_recover(struct store *s, uint64_t now_ms, store_job_fn *fn, void *arg,
     if (rc == 0)
         rc = folder_each(&s->folder, check_fate, s, &why);
     if (rc == 0)
-        rc = journal_commit(s->journal, &why);
+        rc = commit(&r, &why);
     if (rc == 0)
-        rc = folder_each(&s->folder, tidy, s, &why);
+        rc = folder_each(&s->folder, tidy, &r, &why);
+    if (rc == 0)
+        rc = note_life(&r, &why);
     return rc == 0 ? 0 : store_refuse(s, &why, err);
 }
 

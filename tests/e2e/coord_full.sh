@@ -35,6 +35,11 @@ status_says_full()
     "$radctl" --coordinator="$sock" status | grep -q '^disk  *full'
 }
 
+status_has_room()
+{
+    "$radctl" --coordinator="$sock" status >status.out && ! status_says_full
+}
+
 is_held()
 {
     "$radctl" --coordinator="$sock" --json jobs >jobs.json &&
@@ -116,7 +121,12 @@ until_true 30 is_over || fail "it is not cancelled: $(cat jobs.json)"
 timeout 60 "$radsubmit" --coordinator="$sock" $view -x 40 -y 30 -o small.hdr \
     "$room" 2>small.err || fail "there is room, but nothing goes on"
 
-# a coordinator that ends while it is full loses nothing
+# a coordinator that ends while it is full loses nothing, and begins again while
+# it is: a job that has its room can be cancelled, which makes room for another
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" --detach $view -x 800 -y 600 "$room" \
+    >kept.id 2>stderr || fail "kept: $(cat stderr)"
+"$radctl" --coordinator="$sock" pause "$(cat kept.id)" || fail "pause it"
 fill
 # shellcheck disable=SC2086
 "$radsubmit" --coordinator="$sock" $view -o last.hdr "$room" 2>last.err &
@@ -124,11 +134,20 @@ job=$!
 until_true 30 says_held last || fail "the last does not say that it is held"
 kill -TERM "$coord_pid"
 wait "$coord_pid" || fail "a full coordinator ends with $?"
-make_some_room
-make_room
 coord_again
+until_true 30 status_says_full ||
+    fail "a coordinator does not begin on a full disk: $(tail -n 3 c.log)"
+timeout 60 "$radctl" --coordinator="$sock" cancel "$(cat kept.id)" 2>stderr
+status=$?
+[ $status -eq 0 ] || [ $status -eq 75 ] || fail "cancel: $(cat stderr)"
+[ $FULL_TMPFS = yes ] || make_room
 wait $job || fail "last: $(cat last.err)"
 cmp alone.hdr last.hdr || fail "the picture of another life differs"
+make_room
+coord_crash # the life that began so has its number
+until_true 30 status_has_room || fail "the disk is full for ever"
+"$radctl" --coordinator="$sock" job "$(cat kept.id)" | grep -q cancelled ||
+    fail "that it was cancelled is lost"
 
 if [ $FULL_TMPFS = yes ]; then
     # what can never have its room does not wait for it
