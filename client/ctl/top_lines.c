@@ -80,7 +80,7 @@ cell(const struct top *t, enum top_pane pane, const struct top_column *c,
         snprintf(text, CELL, "%.0f %%", floor(100 * x));
     else if (c->kind == TOP_SMALL && x > 0)
         snprintf(text, CELL, "%.1f %%", 100 * x);
-    else if ((c->kind == TOP_SPAN || c->kind == TOP_LEFT) && x >= 0)
+    else if (c->kind == TOP_SPAN && x >= 0)
         span(text, x);
 }
 
@@ -417,8 +417,8 @@ draw_progress(struct screen *s, const json_t *row)
     const json_t *totals = json_object_get(s->t->stats, "totals");
     char left[CELL] = "", error[CELL] = "", pass[CELL] = "";
 
-    if (top_left_s(row) >= 0)
-        span(left, top_left_s(row));
+    if (row_number(row, "left_s") > 0)
+        span(left, row_number(row, "left_s"));
     if (row_number(row, "error") > 0)
         snprintf(error, sizeof error, ", error about %.1f %%",
                  100 * row_number(row, "error"));

@@ -25,7 +25,7 @@ static const struct top_column tables[TOP_NPANE][12] = {
       { "NAME", "name", TOP_TEXT, 10, 3, true },
       { "STATE", "state", TOP_TEXT, 9, 0, false },
       { "DONE", "done", TOP_SHARE, 5, 0, false },
-      { "LEFT", "", TOP_LEFT, 8, 1, false },
+      { "LEFT", "left_s", TOP_SPAN, 8, 1, false },
       { "RAYS/S", "", TOP_RATE, 7, 2, false },
       { "WORKERS", "workers", TOP_OF, 7, 4, false },
       { "ERROR", "error", TOP_SMALL, 6, 5, false },
@@ -58,12 +58,6 @@ top_ncolumns(enum top_pane pane)
 }
 
 double
-top_left_s(const json_t *row)
-{
-    return json_object_get(row, "left_s") ? row_number(row, "left_s") : -1;
-}
-
-double
 top_value(const struct top *t, enum top_pane pane, const struct top_column *c,
           const json_t *row)
 {
@@ -73,8 +67,6 @@ top_value(const struct top *t, enum top_pane pane, const struct top_column *c,
     case TOP_RATE:
         x = json_object_get(t->list[pane].rates, top_name(pane, row));
         break;
-    case TOP_LEFT:
-        return top_left_s(row);
     case TOP_PASS:
         x = json_object_get(row, "pass");
         break;

@@ -19,7 +19,6 @@ enum top_kind {
     TOP_SMALL,
     TOP_BYTES,
     TOP_SPAN,
-    TOP_LEFT,
     TOP_PASS
 };
 
@@ -41,9 +40,6 @@ const char *top_name(enum top_pane pane, const json_t *row);
 /* The number that a column sorts by; -1: it has none. */
 double top_value(const struct top *t, enum top_pane pane,
                  const struct top_column *c, const json_t *row);
-
-/* Seconds until the job is done; negative: not known. */
-double top_left_s(const json_t *row);
 
 /* The rows that the filter selects, in their order: *n of them, borrowed, in an
  * array to be freed.  NULL: memory is out. */

@@ -174,9 +174,3 @@ page_done(struct markup *m, const json_t *job)
                  "<b>%d %%</b>",
                  done, (int)(done * 100));
 }
-
-double
-page_left(const json_t *job)
-{
-    return json_object_get(job, "left_s") ? markup_number(job, "left_s") : -1;
-}

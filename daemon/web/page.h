@@ -49,7 +49,5 @@ void page_table_end(struct markup *m);
 void page_row(struct markup *m, const char *key);
 /* Write a job's progress, as a bar and in per cent. */
 void page_done(struct markup *m, const json_t *job);
-/* Seconds until a job is done; negative: not known. */
-double page_left(const json_t *job);
 
 #endif

@@ -69,7 +69,7 @@ static void
 put_job(struct markup *m, const json_t *job)
 {
     const char *name = markup_member(job, "name");
-    double left = page_left(job);
+    double left = markup_number(job, "left_s");
     char brief[9];
 
     snprintf(brief, sizeof brief, "%s", markup_member(job, "job"));
@@ -85,7 +85,7 @@ put_job(struct markup *m, const json_t *job)
     markup_raw(m, "</td><td class=\"done\">");
     page_done(m, job);
     markup_raw(m, "</td><td class=\"num\">");
-    if (left >= 0)
+    if (left > 0)
         markup_span(m, left);
     markup_raw(m, "</td><td class=\"num\">");
     markup_span(m, markup_number(job, "elapsed_s"));

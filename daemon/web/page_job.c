@@ -67,10 +67,11 @@ put_error(struct markup *m, const struct watch *w)
 static void
 put_progress(struct markup *m, const json_t *job)
 {
-    double left = page_left(job), frames = markup_number(job, "frames");
+    double left = markup_number(job, "left_s"),
+           frames = markup_number(job, "frames");
 
     put_time(m, "Time", markup_number(job, "elapsed_s"));
-    if (left >= 0)
+    if (left > 0)
         put_time(m, "Left, about", left);
     if (markup_number(job, "passes") > 0) {
         begin_fact(m, "Pass");
