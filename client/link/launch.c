@@ -154,7 +154,6 @@ launch_address(const char *given, char dial[LAUNCH_ADDRESS],
                char listen[LAUNCH_ADDRESS], struct rad_error *err)
 {
     char host[ADDRESS_TEXT], port[8];
-    const char *colon;
     bool local;
     int rc;
 
@@ -163,12 +162,11 @@ launch_address(const char *given, char dial[LAUNCH_ADDRESS],
         memcpy(listen, dial, LAUNCH_ADDRESS);
         return 0;
     }
-    colon = strchr(given[0] == '[' ? given + strcspn(given, "]") : given, ':');
     if (strlen(given) >= ADDRESS_TEXT || strchr(given, '/') || !given[0])
         return rad_fail(err, RAD_EUSAGE,
                         "--address: expected HOST or HOST:PORT, got '%.60s'",
                         given);
-    snprintf(dial, LAUNCH_ADDRESS, "%s%s", given, colon ? "" : ":0");
+    address_complete(dial, LAUNCH_ADDRESS, given, "0");
     if ((rc = address_split(dial, host, port, &local, err)) < 0)
         return rc;
     /* all addresses: a host's own name may stand for one that only the host has

@@ -3,6 +3,7 @@
 
 #include "link/target.h"
 
+#include "ground/service.h"
 #include "net/inifile.h"
 
 #include <assert.h>
@@ -12,8 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* radcoord's defaults: radcoord.conf(5) */
-#define DEFAULT_PORT   "7420"
+/* radcoord's default: radcoord.conf(5) */
 #define DEFAULT_SOCKET "/run/radd/radcoord.sock"
 
 enum { LONGEST = sizeof((struct target *)0)->text };
@@ -21,9 +21,7 @@ enum { LONGEST = sizeof((struct target *)0)->text };
 int
 target_parse(struct target *a, const char *text, struct rad_error *err)
 {
-    const char *bracket = strrchr(text, ']');
-    const char *colon = strchr(bracket ? bracket : text, ':');
-    char whole[sizeof a->text + sizeof ":" DEFAULT_PORT];
+    char whole[sizeof a->text + sizeof ":" RADCOORD_PORT];
 
     memset(a, 0, sizeof *a);
     assert(strlen(text) < sizeof a->text);
@@ -39,7 +37,7 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
     }
     if (address_check_brackets(text, err) < 0)
         return RAD_EUSAGE;
-    snprintf(whole, sizeof whole, "%s%s", text, colon ? "" : ":" DEFAULT_PORT);
+    address_complete(whole, sizeof whole, text, RADCOORD_PORT);
     if (address_split(whole, a->host, a->port, &a->local, NULL) < 0 ||
         atoi(a->port) == 0)
         return rad_fail(err, RAD_EUSAGE,

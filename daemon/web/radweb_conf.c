@@ -3,12 +3,15 @@
 
 #include "web/radweb_impl.h"
 
+#include "ground/service.h"
+
 #include <string.h>
 
 #define FIELD(f) offsetof(struct radweb_settings, f)
 static const struct conf_key keys[] = {
-    { "coordinator", CONF_TEXT_KEY, FIELD(coordinator), 0, 0, "127.0.0.1:7420",
-      "HOST:PORT|PATH", "whose cluster is shown", false },
+    { "coordinator", CONF_TEXT_KEY, FIELD(coordinator), 0, 0,
+      "127.0.0.1:" RADCOORD_PORT, "HOST:PORT|PATH", "whose cluster is shown",
+      false },
     { "key", CONF_TEXT_KEY, FIELD(key), 0, 0, "", "FILE",
       "an observer's key, for a coordinator over the network", false },
     { "listen", CONF_TEXT_KEY, FIELD(listen), 0, 0, "127.0.0.1:7480",
