@@ -52,16 +52,15 @@ ctl_span(char text[CTL_SPAN], double s)
 
 /* --- status --- */
 
-/* The time when this life of the coordinator began, which is its epoch in
- * milliseconds; a bit later if the clock was put back. */
+/* The time when this life of the coordinator began. */
 static void
-put_start(FILE *to, double epoch)
+put_start(FILE *to, double start_ms)
 {
-    time_t s = (time_t)(epoch / 1000);
+    time_t s = (time_t)(start_ms / 1000);
     char at[40], ago[CTL_SPAN], line[100];
     struct tm tm;
 
-    if (!(epoch > 0) || epoch > 1e15 || !localtime_r(&s, &tm) ||
+    if (!(start_ms > 0) || start_ms > 1e15 || !localtime_r(&s, &tm) ||
         strftime(at, sizeof at, "%Y-%m-%d %H:%M:%S", &tm) == 0)
         return;
     snprintf(line, sizeof line, "%s, %s ago", at,
@@ -96,7 +95,7 @@ ctl_tell_status(FILE *to, const json_t *status)
     char line[200], worst[FIGURE_TEXT];
 
     put_text(to, status, "program", "program");
-    put_start(to, row_number(status, "epoch"));
+    put_start(to, row_number(status, "start_ms"));
     put_workers(to, status);
     snprintf(line, sizeof line, "%.0f open, %.0f over and kept", jobs,
              fmax(0, kept));

@@ -402,8 +402,9 @@ status_of(const struct coord *c)
     if (c->env.pace)
         c->env.pace(c->env.arg, &pace);
     return json_pack(
-        "{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:b,s:I,s:f,s:f}", "program",
+        "{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:b,s:I,s:f,s:f}", "program",
         c->env.program, "epoch", (json_int_t)(c->env.epoch & INT64_MAX),
+        "start_ms", (json_int_t)(desk_shown_ms(c, c->env.epoch) & INT64_MAX),
         "workers", workers, "threads", threads, "drained", drained,
         "drained_threads", drained_threads, "jobs", (json_int_t)c->nopen,
         "jobs_kept", (json_int_t)c->njobs, "kept_bytes", kept, "disk_full",

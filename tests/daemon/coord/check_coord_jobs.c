@@ -647,6 +647,33 @@ TEST(queries_are_answered_in_json)
     }
 }
 
+static int64_t
+an_hour_ahead(void *arg)
+{
+    (void)arg;
+    return 3600000;
+}
+
+/* The system's clock was an hour behind when the coordinator began, and is
+ * right now. */
+TEST(the_start_follows_a_clock_that_is_put_right)
+{
+    const struct msg query = { .type = MSG_QUERY,
+                               .query = { MSG_QUERY_STATUS, "" } };
+    json_t *root;
+
+    coord_set_epoch(f.c, UINT64_C(1700000000000));
+    f.c->env.ahead_ms = an_hour_ahead;
+    say(BOB, &query);
+    root = json_loadb((const char *)f.last[BOB].answer.text,
+                      f.last[BOB].answer.len, 0, NULL);
+    ck_assert_int_eq(json_integer_value(json_object_get(root, "start_ms")),
+                     1700003600000);
+    ck_assert_int_eq(json_integer_value(json_object_get(root, "epoch")),
+                     1700000000000);
+    json_decref(root);
+}
+
 /* JSON is UTF-8, and who cut the text did not look; nor is the name of a folder
  * always. */
 TEST(a_job_whose_text_is_cut_is_told_of)
