@@ -27,15 +27,6 @@ address_check_brackets(const char *text, struct rad_error *err)
                     text);
 }
 
-void
-address_complete(char *to, size_t size, const char *text, const char *port)
-{
-    const char *bracket = strrchr(text, ']');
-    bool has = strchr(bracket ? bracket : text, ':') != NULL;
-
-    snprintf(to, size, "%s%s%s", text, has ? "" : ":", has ? "" : port);
-}
-
 int
 address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
               bool *local, struct rad_error *err)

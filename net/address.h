@@ -29,10 +29,6 @@ struct address {
  * its brackets. */
 int address_check_brackets(const char *text, struct rad_error *err);
 
-/* Write a text that is HOST or HOST:PORT, with this port if it has none. */
-void address_complete(char *to, size_t size, const char *text,
-                      const char *port);
-
 /* Split a text into host and port; *local is true for a Unix socket's path,
  * which has none.  RAD_EUSAGE if the text is neither. */
 int address_split(const char *text, char host[ADDRESS_TEXT], char port[8],

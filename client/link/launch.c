@@ -4,6 +4,7 @@
 #include "link/launch.h"
 
 #include "link/programs.h"
+#include "link/target.h"
 #include "net/address.h"
 #include "net/key/keyfile.h"
 
@@ -166,7 +167,7 @@ launch_address(const char *given, char dial[LAUNCH_ADDRESS],
         return rad_fail(err, RAD_EUSAGE,
                         "--address: expected HOST or HOST:PORT, got '%.60s'",
                         given);
-    address_complete(dial, LAUNCH_ADDRESS, given, "0");
+    target_complete(dial, LAUNCH_ADDRESS, given, "0");
     if ((rc = address_split(dial, host, port, &local, err)) < 0)
         return rc;
     /* all addresses: a host's own name may stand for one that only the host has

@@ -18,6 +18,15 @@
 
 enum { LONGEST = sizeof((struct target *)0)->text };
 
+void
+target_complete(char *to, size_t size, const char *text, const char *port)
+{
+    const char *bracket = strrchr(text, ']');
+    bool has = strchr(bracket ? bracket : text, ':') != NULL;
+
+    snprintf(to, size, "%s%s%s", text, has ? "" : ":", has ? "" : port);
+}
+
 int
 target_parse(struct target *a, const char *text, struct rad_error *err)
 {
@@ -37,7 +46,7 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
     }
     if (address_check_brackets(text, err) < 0)
         return RAD_EUSAGE;
-    address_complete(whole, sizeof whole, text, RADCOORD_PORT);
+    target_complete(whole, sizeof whole, text, RADCOORD_PORT);
     if (address_split(whole, a->host, a->port, &a->local, NULL) < 0 ||
         atoi(a->port) == 0)
         return rad_fail(err, RAD_EUSAGE,

@@ -28,6 +28,9 @@ struct target {
     char key[1024];  /* a key file, if not local; empty: none */
 };
 
+/* Write a text that is HOST or HOST:PORT, with this port if it has none. */
+void target_complete(char *to, size_t size, const char *text, const char *port);
+
 /* Parse an address, which has room in a->text; RAD_EUSAGE. */
 int target_parse(struct target *a, const char *text, struct rad_error *err);
 
