@@ -22,6 +22,12 @@ tell(FILE *to, const char *fmt, ...)
     fprintf(to, "%s\n", line);
 }
 
+void
+tell_line(void *to, const char *text)
+{
+    fprintf(to, "%s\n", text);
+}
+
 int
 tell_printed(struct rad_error *err)
 {

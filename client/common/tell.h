@@ -12,6 +12,9 @@
 /* Print a line; fmt has no newline.  More than 8 KiB are cut. */
 void tell(FILE *to, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
+/* Print a line of our own to the FILE. */
+void tell_line(void *to, const char *text);
+
 /* Flush standard output.  RAD_EIO: some of what was printed is lost. */
 int tell_printed(struct rad_error *err);
 

@@ -138,12 +138,6 @@ enum { NOPTIONS = sizeof options / sizeof options[0] };
 _Static_assert(NOPTIONS <= 32, "a set of them is 32 bits");
 
 static void
-print_line(void *to, const char *text)
-{
-    fprintf(to, "%s\n", text);
-}
-
-static void
 help(void)
 {
     char head[80];
@@ -153,7 +147,7 @@ help(void)
     for (int i = 0; i < NCOMMANDS; i++) {
         snprintf(head, sizeof head, "%s %s", commands[i].name,
                  commands[i].arg ? commands[i].arg : "");
-        rad_help_row(head, commands[i].help, print_line, stdout);
+        rad_help_row(head, commands[i].help, tell_line, stdout);
     }
     puts("");
     for (int i = 0; i < NOPTIONS; i++) {
@@ -164,10 +158,10 @@ help(void)
                  : o->name[1] == '-'                          ? "="
                                                               : " ",
                  o->arg ? o->arg : "");
-        rad_help_row(head, o->help, print_line, stdout);
+        rad_help_row(head, o->help, tell_line, stdout);
     }
-    rad_help_row("--help", "this text", print_line, stdout);
-    rad_help_row("--version", "the version", print_line, stdout);
+    rad_help_row("--help", "this text", tell_line, stdout);
+    rad_help_row("--version", "the version", tell_line, stdout);
 }
 
 /* Take the option called name at argv[*i], with its value after '=' or in the

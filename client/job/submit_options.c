@@ -3,6 +3,7 @@
 
 #include "job/submit_options.h"
 #include "common/outname.h"
+#include "common/tell.h"
 #include "job/quality.h"
 #include "show/picfile.h"
 
@@ -71,13 +72,7 @@ submit_options_samples(struct submit_options *o)
             picfile_is_png(o->output, (enum picfile_format)o->format) ? 2 : 1;
 }
 
-static void
-print_line(void *to, const char *text)
-{
-    fprintf(to, "%s\n", text);
-}
-
-/* print_line() for what sensor points have: nothing of a picture's pixels. */
+/* tell_line() for what sensor points have: nothing of a picture's pixels. */
 static void
 print_for_points(void *to, const char *text)
 {
@@ -87,7 +82,7 @@ print_for_points(void *to, const char *text)
     for (size_t i = 0; i < sizeof of_pixels / sizeof of_pixels[0]; i++)
         if (strncmp(text, of_pixels[i], strlen(of_pixels[i])) == 0)
             return;
-    print_line(to, text);
+    tell_line(to, text);
 }
 
 static void
@@ -113,8 +108,8 @@ print_picture_defaults(const struct submit_options *o, FILE *to)
 {
     struct submit_options chosen = *o;
 
-    rad_view_print_defaults(&o->view, print_line, to);
-    rad_params_print_defaults(&o->params, print_line, to);
+    rad_view_print_defaults(&o->view, tell_line, to);
+    rad_params_print_defaults(&o->params, tell_line, to);
     submit_options_samples(&chosen);
     fprintf(to, "--oversample %-18d # samples a side of a pixel\n",
             chosen.oversample);

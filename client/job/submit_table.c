@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "job/submit_table.h"
+#include "common/tell.h"
 #include "common/words.h"
 #include "job/quality.h"
 
@@ -278,12 +279,6 @@ submit_table_take(struct submit_options *o, char *const argv[],
 }
 
 static void
-print_line(void *to, const char *text)
-{
-    fprintf(to, "%s\n", text);
-}
-
-static void
 help_rows(FILE *to, const struct option *table, size_t n, const char *between)
 {
     for (size_t i = 0; i < n; i++) {
@@ -292,7 +287,7 @@ help_rows(FILE *to, const struct option *table, size_t n, const char *between)
         snprintf(head, sizeof head, "%s%s%s", table[i].name,
                  table[i].arg && table[i].kind != KIND_MAYBE ? between : "",
                  table[i].arg ? table[i].arg : "");
-        rad_help_row(head, table[i].help, print_line, to);
+        rad_help_row(head, table[i].help, tell_line, to);
     }
 }
 
