@@ -150,7 +150,7 @@ row() # NUMBER SCENE WORKERS BLOCK OPTIONS...
         ;;
     esac
     render "$workers" "$size" "$@"
-    error=$(sed -n 's/.*relative error about \(.*\) %/\1/p' "$tmp/said")
+    error=$(sed -n 's/.*relative error about \([^ ]*\) %.*/\1/p' "$tmp/said")
     came=-
     if [ "$block" -gt 0 ]; then
         came=$("$build/raderr" -1 -c 4 -d "$block" "$tmp/$out" "$reference" |
