@@ -18,9 +18,9 @@ enum { FIRST = 64, MOST_WINDOWS = 32, RECORDS = 64 };
 #define AREAS_TRIED  (1. / 300)
 #define PLACES_TRIED (1. / 1500)
 
-/* Processor time of a trial, roughly, and its least numbers of strewn pixels and
- * of windows.  With fewer it tells little, so these are traced however long they
- * take. */
+/* Processor time of a trial, roughly, and its least numbers of strewn pixels
+ * and of windows.  With fewer it tells little, so these are traced however long
+ * they take. */
 static const double SECONDS = 3;
 enum { LEAST_PIXELS = 256, LEAST_WINDOWS = 4, SIDE = 64 };
 
