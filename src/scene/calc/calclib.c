@@ -103,24 +103,44 @@ static const uint8_t perm[256] = {
     /* clang-format on */
 };
 
-/* The gradient of a lattice point times the vector from it.  The gradients are
- * the twelve directions to the edges of a cube, four of them twice. */
-static double
-corner(const int cell[3], const double f[3], int which)
+/* The gradients of lattice points: the twelve directions to the edges of a
+ * cube, four of them twice. */
+static const double gradient[16][3] = {
+    /* clang-format off */
+    { 1, 1, 0 }, { -1, 1, 0 }, { 1, -1, 0 }, { -1, -1, 0 },
+    { 1, 0, 1 }, { -1, 0, 1 }, { 1, 0, -1 }, { -1, 0, -1 },
+    { 0, 1, 1 }, { 0, -1, 1 }, { 0, 1, -1 }, { 0, -1, -1 },
+    { 1, 1, 0 }, { 0, -1, 1 }, { -1, 1, 0 }, { 0, -1, -1 },
+    /* clang-format on */
+};
+
+/* The gradient of a lattice point times the vector from there.  h: the hash of
+ * its first coordinates, plus the cell's last. */
+static inline double
+slope(int h, int z, double dx, double dy, double dz)
 {
-    int h = 0;
-    double d[3], u, v;
+    const double *g = gradient[perm[(h + z) & 255] & 15];
 
-    for (int i = 0; i < 3; i++) {
-        int bit = which >> i & 1;
+    return g[0] * dx + g[1] * dy + g[2] * dz;
+}
 
-        h = perm[(h + cell[i] + bit) & 255];
-        d[i] = f[i] - bit;
+/* Set value[] to the gradients of a cell's corners, each times the vector from
+ * there to f, the place within the cell: bit i of the index says on which side
+ * of axis i a corner is. */
+static void
+corners(const int cell[3], const double f[3], double value[8])
+{
+    for (int x = 0; x < 2; x++) {
+        int hx = perm[(cell[0] + x) & 255] + cell[1];
+
+        for (int y = 0; y < 2; y++) {
+            int h = perm[(hx + y) & 255] + cell[2];
+            double *v = &value[x + 2 * y];
+
+            v[0] = slope(h, 0, f[0] - x, f[1] - y, f[2]);
+            v[4] = slope(h, 1, f[0] - x, f[1] - y, f[2] - 1);
+        }
     }
-    h &= 15;
-    u = h < 8 ? d[0] : d[1];
-    v = h < 4 ? d[1] : h == 12 || h == 14 ? d[0] : d[2];
-    return (h & 1 ? -u : u) + (h & 2 ? -v : v);
 }
 
 static double
@@ -130,18 +150,15 @@ noise(const double p[3])
     int cell[3];
 
     for (int i = 0; i < 3; i++) {
+        if (!(fabs(p[i]) < 1e9))
+            return 0; /* beyond the lattice, where floats have no fraction */
         /* truncated, and one less below 0, as in Radiance; so negative whole
          * numbers are at the far end of a cell */
-        double whole = trunc(p[i]) - (p[i] < 0);
-
-        if (!(fabs(whole) < 1e9))
-            return 0; /* beyond the lattice, where floats have no fraction */
-        cell[i] = (int)whole;
-        f[i] = p[i] - whole;
+        cell[i] = (int)p[i] - (p[i] < 0);
+        f[i] = p[i] - cell[i];
         s[i] = f[i] * f[i] * f[i] * (f[i] * (f[i] * 6 - 15) + 10);
     }
-    for (int k = 0; k < 8; k++)
-        value[k] = corner(cell, f, k);
+    corners(cell, f, value);
     for (int i = 0, n = 4; i < 3; i++, n /= 2)
         for (int k = 0; k < n; k++)
             value[k] = value[2 * k] + s[i] * (value[2 * k + 1] - value[2 * k]);
