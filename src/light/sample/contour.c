@@ -50,21 +50,31 @@ inverse(double A, double B, double t, double *cos_t)
            (rad_atan2(sqrt(A - B) * s, sqrt(A + B) * c) + M_PI * turns);
 }
 
+/* Antiderivative of cos t / (1 + x cos t), for small x, at t with that sine and
+ * cosine. */
+static double
+cosine_sum(double x, double t, double sine, double cos_t)
+{
+    /* antiderivatives of cos, cos^2, cos^3, cos^4: sine, c2, s3, c4 */
+    double sin_2t = 2 * sine * cos_t, cos_2t = 1 - 2 * sine * sine;
+    double s3 = sine - sine * sine * sine / 3;
+    double c2 = t / 2 + sin_2t / 4;
+    double c4 = 3 * t / 8 + sin_2t / 4 + sin_2t * cos_2t / 16;
+
+    return sine - x * (c2 - x * (s3 - x * c4));
+}
+
 /* Antiderivative of cos t / (A + B cos t); inverse is that of 1 / (A + B cos t)
  * at the same t. */
 static double
 cosine(double A, double B, double t, double inverse)
 {
-    double x = B / A, s, s3, c2, c4;
+    double x = B / A, s, c;
 
     if (x > NEARLY_ROUND)
         return (t - A * inverse) / B;
-    /* antiderivatives of cos, cos^2, cos^3, cos^4: s, c2, s3, c4 */
-    s = rad_sin(t);
-    s3 = s - s * s * s / 3;
-    c2 = t / 2 + rad_sin(2 * t) / 4;
-    c4 = 3 * t / 8 + rad_sin(2 * t) / 4 + rad_sin(4 * t) / 32;
-    return (s - x * (c2 - x * (s3 - x * c4))) / A;
+    rad_sin_and_cos(t, &s, &c);
+    return cosine_sum(x, t, s, c) / A;
 }
 
 void
@@ -99,6 +109,30 @@ rad_contour_arc(double F[3], const double c[3], const double normal[3],
     rad_madd(F, F, k * cos_part, w2);
     rad_madd(F, F, -k * sin_part, w1);
     rad_madd(F, F, k * radius * (end - begin), normal);
+}
+
+/* Here e1 points from the origin's foot on the axis to c, and t goes from pi -
+ * delta to pi + delta: the integral of sin t is 0, and c x e2 = h axis - z e1.
+ */
+void
+rad_contour_end(double F[2], double z, double h, double radius, double delta,
+                double sign)
+{
+    double near2 = z * z + (h - radius) * (h - radius); /* A - B */
+    double far2 = z * z + (h + radius) * (h + radius);  /* A + B */
+    double A = z * z + h * h + radius * radius, B = 2 * radius * h;
+    double k = -sign * radius / 2, cos_part;
+    double all = 4 / sqrt(near2 * far2) *
+                 rad_atan2(sqrt(far2 * (h - radius)),
+                           sqrt(near2 * (h + radius))); /* integral of 1 */
+
+    if (B > NEARLY_ROUND * A)
+        cos_part = (2 * delta - A * all) / B;
+    else
+        cos_part =
+            -2 * cosine_sum(-B / A, delta, rad_sin(delta), radius / h) / A;
+    F[0] += k * (cos_part * h + radius * all);
+    F[1] -= k * cos_part * z;
 }
 
 void

@@ -25,6 +25,14 @@ void rad_contour_arc(double F[3], const double c[3], const double normal[3],
                      double radius, const double middle[3], double delta,
                      double sign);
 
+/* Add `sign` times the integral along the near arc of a cylinder's end to F, in
+ * coordinates along the axis and across it, toward the axis.  The origin is at
+ * distance h, above the radius, from the axis, and the end's centre lies z
+ * along it.  The arc goes as far as the origin sees the wall, to the angle
+ * delta = acos(radius / h) on both sides, counter-clockwise about the axis. */
+void rad_contour_end(double F[2], double z, double h, double radius,
+                     double delta, double sign);
+
 /* Add `sign` times the integral along the whole circle about c to F. */
 void rad_contour_circle(double F[3], const double c[3], const double normal[3],
                         double radius, double sign);

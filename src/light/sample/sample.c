@@ -452,6 +452,8 @@ flat_sample(struct walk *w, const struct rad_patch *p,
  *   axis  the cylinder's axis, a unit vector
  *   perp  unit vector from the point to the axis, perpendicular to it
  *   h     distance of the point to the axis
+ * The lines lie on both sides of perp, at the distance l from the point, where
+ * its view touches the wall: their sum points along perp.
  * False: the stretch is far away, or has no flux, so second_order() is to be
  * used. */
 static bool
@@ -459,28 +461,20 @@ line_flux(struct rad_light_sample *s, const struct walk *w,
           const struct rad_patch *p, const double axis[3], const double perp[3],
           double h)
 {
-    const double *view = w->view->p;
-    double r = w->src->r1, delta = rad_acos(r / h),
-           half = sqrt(rad_dot(p->u, p->u));
-    double F[3] = { 0, 0, 0 }, to[3], near[3], side[3], end[2][3],
-           line[2][2][3];
+    double r = w->src->r1, half2 = rad_dot(p->u, p->u), half, z;
+    double l = sqrt((h - r) * (h + r)), delta, to[3], F[3], flux[2] = { 0, 0 };
 
-    rad_sub(to, p->p, view);
-    if (half * half / 3 + r * r < FAR_VARIANCE * rad_dot(to, to))
+    rad_sub(to, p->p, w->view->p);
+    if (half2 / 3 + r * r < FAR_VARIANCE * rad_dot(to, to))
         return false;
-    rad_scale(near, -1, perp);
-    rad_cross(side, axis, near);
-    for (int e = 0; e < 2; e++) {
-        rad_madd(end[e], to, e ? half : -half, axis);
-        rad_contour_arc(F, end[e], axis, r, near, delta, e ? 1 : -1);
-        for (int k = 0; k < 2; k++) {
-            rad_madd(line[k][e], end[e], r * rad_cos(delta), near);
-            rad_madd(line[k][e], line[k][e], (k ? 1 : -1) * r * rad_sin(delta),
-                     side);
-        }
-    }
-    rad_contour_edge(F, line[0][0], line[0][1]);
-    rad_contour_edge(F, line[1][1], line[1][0]);
+    half = sqrt(half2);
+    z = rad_dot(to, axis);
+    delta = rad_atan2(l, r);
+    rad_contour_end(flux, z - half, h, r, delta, -1);
+    rad_contour_end(flux, z + half, h, r, delta, 1);
+    flux[1] -= r / h * rad_atan2(2 * half * l, (z - half) * (z + half) + l * l);
+    rad_scale(F, flux[0], axis);
+    rad_madd(F, F, flux[1], perp);
     s->omega = rad_contour_whole(F, to, s->dir);
     return s->omega > 0;
 }
