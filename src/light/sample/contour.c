@@ -35,21 +35,6 @@ rad_contour_edge(double F[3], const double a[3], const double b[3])
     rad_madd(F, F, angle / 2, c);
 }
 
-/* Antiderivative of 1 / (A + B cos t), continuous where tan t/2 is not;
- * *cos_t gets cos t. */
-static double
-inverse(double A, double B, double t, double *cos_t)
-{
-    double root = sqrt((A - B) * (A + B)),
-           turns = floor((t + M_PI) / (2 * M_PI));
-    double half = t / 2 - M_PI * turns, s, c;
-
-    rad_sin_and_cos(half, &s, &c);
-    *cos_t = 2 * c * c - 1;
-    return 2 / root *
-           (rad_atan2(sqrt(A - B) * s, sqrt(A + B) * c) + M_PI * turns);
-}
-
 /* Antiderivative of cos t / (1 + x cos t), for small x, at t with that sine and
  * cosine. */
 static double
@@ -64,25 +49,15 @@ cosine_sum(double x, double t, double sine, double cos_t)
     return sine - x * (c2 - x * (s3 - x * c4));
 }
 
-/* Antiderivative of cos t / (A + B cos t); inverse is that of 1 / (A + B cos t)
- * at the same t. */
-static double
-cosine(double A, double B, double t, double inverse)
-{
-    double x = B / A, s, c;
-
-    if (x > NEARLY_ROUND)
-        return (t - A * inverse) / B;
-    rad_sin_and_cos(t, &s, &c);
-    return cosine_sum(x, t, s, c) / A;
-}
-
+/* With k = sqrt((A - B) / (A + B)) an antiderivative of 1 / (A + B cos t) is
+ * atan(k tan t/2) times 2 / sqrt(A^2 - B^2): the difference of two such angles
+ * is that of a product of complex numbers. */
 void
 rad_contour_arc(double F[3], const double c[3], const double normal[3],
                 double radius, const double middle[3], double delta,
                 double sign)
 {
-    double e1[3], e2[3], w1[3], w2[3], q, A, B, at, from, to;
+    double e1[3], e2[3], w1[3], w2[3], q, A, B;
 
     rad_madd(e1, c, -rad_dot(c, normal), normal);
     q = rad_normalize(e1);
@@ -93,22 +68,29 @@ rad_contour_arc(double F[3], const double c[3], const double normal[3],
     rad_cross(e2, normal, e1);
     A = rad_dot(c, c) + radius * radius;
     B = 2 * radius * q;
-    at = rad_atan2(rad_dot(middle, e2), rad_dot(middle, e1));
-    from = at - delta;
-    to = at + delta;
     rad_cross(w1, c, e1);
     rad_cross(w2, c, e2);
-    double cos_to, end = inverse(A, B, to, &cos_to);
-    double cos_from, begin = inverse(A, B, from, &cos_from);
-    double cos_part = cosine(A, B, to, end) - cosine(A, B, from, begin);
-    double sin_part = B > 0
-                          ? -rad_log((A + B * cos_to) / (A + B * cos_from)) / B
-                          : (cos_from - cos_to) / A;
-    double k = -sign * radius / 2;
 
+    double sd, cd, cm = rad_dot(middle, e1), sm = rad_dot(middle, e2);
+
+    rad_sin_and_cos(delta, &sd, &cd);
+
+    double cos_from = cm * cd + sm * sd, cos_to = cm * cd - sm * sd;
+    double root = sqrt((A - B) * (A + B));
+    double all = 2 / root * rad_atan2(root * sd, A * cd + B * cm);
+    double x = B / A, k = -sign * radius / 2, cos_part, sin_part;
+
+    if (x > NEARLY_ROUND)
+        cos_part = (2 * delta - A * all) / B;
+    else
+        cos_part = (cosine_sum(x, delta, sm * cd + cm * sd, cos_to) -
+                    cosine_sum(x, -delta, sm * cd - cm * sd, cos_from)) /
+                   A;
+    sin_part = B > 0 ? -rad_log((A + B * cos_to) / (A + B * cos_from)) / B
+                     : (cos_from - cos_to) / A;
     rad_madd(F, F, k * cos_part, w2);
     rad_madd(F, F, -k * sin_part, w1);
-    rad_madd(F, F, k * radius * (end - begin), normal);
+    rad_madd(F, F, k * radius * all, normal);
 }
 
 /* Here e1 points from the origin's foot on the axis to c, and t goes from pi -

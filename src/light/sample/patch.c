@@ -54,12 +54,12 @@ sector_flux(double F[3], const double at[3], const struct rad_source *src,
     if (p->r0 > 0)
         rad_contour_arc(F, c, src->normal, p->r0, middle, p->delta, -1);
     for (int side = -1; side <= 1; side += 2) {
-        double in[3], out[3];
+        double way[3], in[3], out[3];
 
-        rad_ring_point(src, p->r0, p->phi + side * p->delta, in);
-        rad_ring_point(src, p->r1, p->phi + side * p->delta, out);
-        rad_sub(in, in, at);
-        rad_sub(out, out, at);
+        rad_ring_point(src, 1, p->phi + side * p->delta, way);
+        rad_sub(way, way, src->centre);
+        rad_madd(in, c, p->r0, way);
+        rad_madd(out, c, p->r1, way);
         rad_contour_edge(F, side < 0 ? in : out, side < 0 ? out : in);
     }
 }

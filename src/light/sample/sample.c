@@ -73,8 +73,12 @@ static void
 sector_moments(struct rad_moments *m, const struct rad_source *src,
                const struct rad_patch *p)
 {
-    double sinc = p->delta < M_PI ? rad_sin(p->delta) / p->delta : 0;
-    double cos2 = (1 + rad_cos(p->delta) * sinc) / 2; /* sin 2d / 4d */
+    double sine, cosine;
+
+    rad_sin_and_cos(p->delta, &sine, &cosine);
+
+    double sinc = p->delta < M_PI ? sine / p->delta : 0;
+    double cos2 = (1 + cosine * sinc) / 2; /* sin 2d / 4d */
     double r2 = (p->r0 * p->r0 + p->r1 * p->r1) / 2;
     double rc = 2. / 3 * sinc * (p->r1 + p->r0 * p->r0 / (p->r1 + p->r0));
     double along[3], across[3];
@@ -408,6 +412,24 @@ exact(struct rad_light_sample *s, const struct walk *w,
     return s->omega > 0;
 }
 
+/* In standard deviations along a line through the centroid: no place of a
+ * triangle is farther than sqrt(8), none of a sector than sqrt(11), the limit
+ * for a small one whose arc bends by as much as it is wide. */
+#define FARTHEST2 12
+
+/* Is all of the patch on one side of the horizon of `up`?  1: above, -1: below,
+ * 0: it may lie across.  to: from the point to the centroid. */
+static int
+side_of_horizon(const struct rad_patch *p, const struct rad_moments *m,
+                const double to[3], const double up[3])
+{
+    double h = rad_dot(to, up), a = rad_dot(m->a, up), b = rad_dot(m->b, up);
+
+    if (p->kind == RAD_PATCH_GROUP || h * h < FARTHEST2 * (a * a + b * b))
+        return 0;
+    return h > 0 ? 1 : -1;
+}
+
 static void
 flat_sample(struct walk *w, const struct rad_patch *p,
             const struct rad_moments *m)
@@ -420,9 +442,12 @@ flat_sample(struct walk *w, const struct rad_patch *p,
     double k = -rad_dot(w->src->normal, to) * m->area;
 
     if (view->up && view->sizerat > 0 && !(view->jitter > 0)) {
-        if (rad_patch_risen(&s, w->src, view, p))
+        int side = side_of_horizon(p, m, to, view->up);
+
+        if (side == 0 && rad_patch_risen(&s, w->src, view, p))
             put(w, &s);
-        return;
+        if (side <= 0)
+            return;
     }
     if (view->jitter > 0) {
         jittered_point(w, p, point);
