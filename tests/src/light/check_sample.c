@@ -528,6 +528,20 @@ TEST(undivided_ring_is_aimed_at)
     ck_assert(sum[2] > .25 && sum[2] < 1); /* its squared radius */
 }
 
+/* Parts that do not reach down to the horizon are not cut: disk, ring. */
+LOOP_TEST(parts_above_the_horizon_have_all_their_flux, 2)
+{
+    double a[8] = { 2, 0, 3, -1, 0, 0, _i ? .5 : 0, 1 };
+    const double p[3] = { 0, 0, 0 };
+    struct rad_light_view view = { .sizerat = .2, .up = up };
+    struct meter m = { .n = { 0, 0, 1 } };
+    struct rad_source src;
+
+    make_light(&src, RAD_RING, a, 8);
+    rad_light_samples(&src, &view, measure, &m);
+    ck_assert_double_eq_tol(m.E, irradiance(&src, p, up, .2, NULL), 1e-12);
+}
+
 static void
 aim_is_up(void *arg, const struct rad_light_sample *s)
 {
