@@ -20,7 +20,7 @@ void
 outcome_add(struct outcome_sum *s, const struct outcome *job, double weight)
 {
     s->all.elapsed_s = fmax(s->all.elapsed_s, s->before_s + job->elapsed_s);
-    if (job->error > 0) {
+    if (job->error > 0 || job->left_out > 0) {
         s->squares += weight * job->error * job->error;
         s->left_out += weight * job->left_out;
         s->weight += weight;

@@ -11,7 +11,8 @@
 
 struct outcome { /* zeroed: of a job that has not begun */
     double elapsed_s;
-    double error; /* estimated, relative; 0: not known */
+    /* Both are of one estimate: if one is known, a 0 of the other is none. */
+    double error;    /* estimated, relative; 0: not known */
     double left_out; /* share of the light that comes by more bounces than -ab;
                       * 0: not known */
     struct msg_nan nan;

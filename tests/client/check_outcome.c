@@ -4,6 +4,8 @@
 #include "trial/outcome.h"
 #include "tests/unit.h"
 
+#include <math.h>
+
 static const struct outcome first = { .elapsed_s = 3,
                                       .error = .03,
                                       .left_out = .1,
@@ -44,6 +46,18 @@ TEST(errors_have_the_root_of_their_mean_square)
     ck_assert_double_eq_tol(16 * s.all.error * s.all.error,
                             7 * .0009 + 9 * .0016, 1e-15);
     ck_assert_double_eq_tol(16 * s.all.left_out, 7 * .1 + 9 * .2, 1e-14);
+}
+
+TEST(light_left_out_counts_where_nothing_is_found_wrong)
+{
+    struct outcome right = { .left_out = .3 };
+    struct outcome_sum s = { 0 };
+
+    outcome_add(&s, &right, 1);
+    ck_assert_double_eq(s.all.left_out, .3);
+    outcome_add(&s, &first, 1);
+    ck_assert_double_eq_tol(s.all.left_out, .2, 1e-15);
+    ck_assert_double_eq_tol(s.all.error, .03 / sqrt(2), 1e-15);
 }
 
 TEST(times_add_up_unless_jobs_run_side_by_side)
