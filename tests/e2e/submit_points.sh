@@ -276,4 +276,28 @@ for aa in 0 .2; do
 done
 paste end.0 end..2 | awk '{ if ($1 < .9 * $4 || $1 > 1.1 * $4) exit 1 }' ||
     fail "light beyond its end: $(paste end.0 end..2)"
+# a slab, and a pane in the open: no sensor gets the light of one that is inside
+# of the slab or on the other side
+cat >slab.rad <<'END'
+void glow g 0 0 4 1 1 1 0
+g source sky 0 0 4 0 0 1 180
+void plastic p 0 0 5 .5 .5 .5 0 0
+void glass pane 0 0 3 .5 .5 .5
+p ring ground 0 0 8 0 0 0 0 0 1 0 50
+p ring top 0 0 8 2 2 1.1 0 0 1 0 2
+p ring bottom 0 0 8 2 2 1 0 0 -1 0 2
+p cylinder edge 0 0 7 2 2 1 2 2 1.1 2
+pane ring cover 0 0 8 2 2 2 0 0 1 0 2
+END
+awk 'BEGIN { n = split("1.05 1.1 1.15 1.99 2.01", z)
+    for (x = 1; x < 2.6; x += .3)
+        for (i = 1; i <= n; i++) print x, 2, z[i], 0, 0, 1 }' >slab.txt
+for aa in 0 .2; do
+    "$radsubmit" --local --threads=1 --points=slab.txt -h- -I -pA -ab 2 -ar 32 \
+        -ad 512 -as 0 -aa $aa slab.rad >slab.$aa 2>stderr ||
+        fail "a slab, -aa $aa: $(cat stderr)"
+done
+paste slab.0 slab..2 | awk '
+    { if ($2 < .85 * $1 || $2 > 1.15 * $1) exit 1 } END { exit NR != 30 }' ||
+    fail "light through a slab or a pane: $(paste slab.0 slab..2)"
 finish

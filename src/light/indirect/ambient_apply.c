@@ -91,7 +91,7 @@ is_alone(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 }
 
 /* Is the place a sensor's own?  Such a place is served by records within -aa
- * alone, or gets a record of its own with all samples. */
+ * and in sight alone, or gets a record of its own with all samples. */
 static bool
 is_sensors(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
@@ -366,7 +366,7 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     due = is_due(ctx, at);
     asker.only = ctx->tile && ctx->no_direct && due;
     asker.fresh = ctx->fresh && at->level == 0;
-    asker.near = is_sensors(ctx, at);
+    asker.sensor = is_sensors(ctx, at);
     asker.serving = at->level == 0 ? ctx->serving : NULL;
     rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
     if (!serves(&said, due) &&

@@ -204,6 +204,12 @@ add_record(struct search *s, const struct rad_ambitem *it)
         if (is_walled_off(s->amb, s->at, it, s->asker->counts, s->asker->rays))
             return;
     }
+    /* a sensor may be above, below or inside of things */
+    *s->asker->rays += s->asker->sensor;
+    if (s->asker->sensor &&
+        rad_ambsmooth_parted(s->amb->job->geom, s->at->p, s->n, it->p, it->n,
+                             s->asker->counts))
+        return;
     angular = (double)(1 - turn / s->max_angle);
     if (dist < s->aa)
         s->serves += angular * (double)(1 - dist / s->aa);
@@ -293,7 +299,7 @@ search_all(struct search *s)
     struct rad_ambterms others;
     struct rad_ambquery q = { .level = at->level };
     float reach = (float)rad_ambscale_reach(&amb->scale, at->level);
-    bool near = s->asker->only || s->asker->near;
+    bool near = s->asker->only || s->asker->sensor;
 
     if ((float)at->weight != t->weight) {
         rad_ambient_set_terms(amb, (float)at->weight, &others);

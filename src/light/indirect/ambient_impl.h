@@ -88,7 +88,8 @@ struct rad_ambasker {
                                      * NULL */
     bool fresh; /* find nothing, as if there were no records */
     bool only;  /* find out whether any record serves; E is not wanted */
-    bool near;  /* leave out records beyond -aa */
+    bool sensor; /* leave out records beyond -aa, and those that a surface parts
+                  * from the place */
     struct rad_ambserving *serving; /* gets the records that serve at level 0;
                                      * or NULL */
     struct rad_geom_counts *counts; /* work of rays that test for light leaks */

@@ -7,10 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The ray that finds out whether something stands between two places runs so
- * high above them, over their distance: so it passes over small objects, which
- * hide little from either place. */
-#define LIFT .05
+/* The way that finds out whether something stands between two places rises to
+ * this height over them, by their distance: so it passes over small objects,
+ * which hide little from either place.  It begins and ends at the part ROUNDED
+ * of that height, for a place may be behind its surface by rounding. */
+#define LIFT    .05
+#define ROUNDED .01
 
 void
 rad_ambsmooth_release(struct rad_ambsmooth *s)
@@ -58,27 +60,42 @@ place(const void *arg, uint32_t i, struct rad_smooth_place *p)
     set_place(arg, item_of(arg, i), p);
 }
 
-/* struct rad_smooth_source's: any surface between two places parts them, glass
- * too, since light differs behind it.  These rays are in no statistics: their
- * number depends on which pixels a worker makes. */
+bool
+rad_ambsmooth_parted(const struct rad_geom *geom, const double p[3],
+                     const float n[3], const double q[3], const float m[3],
+                     struct rad_geom_counts *counts)
+{
+    double corner[4][3], lift = LIFT * sqrt(rad_dist2(p, q));
+
+    for (int k = 0; k < 3; k++) {
+        corner[0][k] = p[k] + ROUNDED * lift * (double)n[k];
+        corner[1][k] = p[k] + lift * (double)n[k];
+        corner[2][k] = q[k] + lift * (double)m[k];
+        corner[3][k] = q[k] + ROUNDED * lift * (double)m[k];
+    }
+    for (int i = 0; i < 3 && lift > 0; i++) {
+        struct rad_span span = { .tmin = 0 };
+        struct rad_hit hit;
+
+        rad_copy(span.org, corner[i]);
+        rad_sub(span.dir, corner[i + 1], corner[i]);
+        span.tmax = rad_normalize(span.dir);
+        if (rad_geom_nearest(geom, &span, &hit, counts))
+            return true;
+    }
+    return false;
+}
+
+/* struct rad_smooth_source's.  These rays are in no statistics: their number
+ * depends on which pixels a worker makes. */
 static bool
 are_parted(const void *arg, const struct rad_smooth_place *a,
            const struct rad_smooth_place *b)
 {
     const struct rad_ambsmooth *s = arg;
-    struct rad_span span = { .tmin = 0 };
     struct rad_geom_counts counts = { 0, 0 };
-    struct rad_hit hit;
-    double lift;
 
-    rad_sub(span.dir, b->p, a->p);
-    lift = LIFT * sqrt(rad_dot(span.dir, span.dir));
-    for (int k = 0; k < 3; k++) {
-        span.org[k] = a->p[k] + lift * (double)a->n[k];
-        span.dir[k] += lift * (double)(b->n[k] - a->n[k]);
-    }
-    span.tmax = rad_normalize(span.dir);
-    return rad_geom_nearest(s->geom, &span, &hit, &counts);
+    return rad_ambsmooth_parted(s->geom, a->p, a->n, b->p, b->n, &counts);
 }
 
 bool

@@ -23,6 +23,12 @@ struct rad_ambsmooth {
     const struct rad_ambscale *scale;
 };
 
+/* Does any surface stand between the places p and q with these normals?  Glass
+ * does, too: light differs behind it. */
+bool rad_ambsmooth_parted(const struct rad_geom *geom, const double p[3],
+                          const float n[3], const double q[3], const float m[3],
+                          struct rad_geom_counts *counts);
+
 /* Make *s anew for n records, item[], of a scene with *geom.  It keeps all
  * these pointers, so it must be made again, or released, before item[] changes.
  * False: out of memory; then no record is smoothed. */
