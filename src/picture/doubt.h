@@ -76,7 +76,8 @@ struct rad_doubt_share {
 };
 
 /* Shares that give a few hundred areas of a picture and some fifty places, or
- * eight in a small one: a small part of the picture's own time. */
+ * eight in a small one: a small part of the picture's own time.  Sensor points
+ * have no areas. */
 struct rad_doubt_share rad_doubt_of_picture(const struct rad_frame *f);
 
 /* The error that places have in common: sums over places, signed so that noise

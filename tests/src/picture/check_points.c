@@ -2,6 +2,7 @@
  */
 #include "config.h"
 
+#include "picture/doubt.h"
 #include "picture/frame.h"
 #include "points/curve.h"
 #include "points/points.h"
@@ -316,6 +317,15 @@ TEST(pixel_is_radiance_along_its_ray)
             ck_assert_double_eq_tol((double)got.z, z[i], 1e-6);
     }
     ck_assert_uint_eq(s.w.ctx.counts.primary_rays, 4);
+}
+
+/* At each point the lamp is noise, of which some points say nothing. */
+TEST(error_of_points_is_not_told_by_some_of_them)
+{
+    const double p[2][6] = { { 0, 0, 0, 0, 0, 1 }, { 1, 0, 0, 0, 0, 1 } };
+
+    stage_open(&s, p, 2, 1, RAD_POINTS_IRRADIANCE);
+    ck_assert(!(rad_doubt_of_picture(&s.frame).areas > 0));
 }
 
 TEST(length_of_direction_limits_a_ray_where_asked)
