@@ -18,6 +18,7 @@ include src/light/sample/local.mk
 include src/light/direct/local.mk
 include src/light/smooth/local.mk
 include src/light/hemisphere/local.mk
+include src/light/record/local.mk
 include src/light/indirect/local.mk
 include src/pattern/local.mk
 include src/shade/gloss/local.mk

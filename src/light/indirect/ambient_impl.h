@@ -4,9 +4,9 @@
 #define RAD_LIGHT_AMBIENT_IMPL_H
 
 #include "light/hemisphere/bright.h"
-#include "light/indirect/ambcache.h"
+#include "light/record/ambcache.h"
 #include "light/indirect/ambient.h"
-#include "light/indirect/ambread.h"
+#include "light/record/ambread.h"
 #include "light/indirect/ambserving.h"
 #include "light/indirect/ambshape.h"
 #include "light/indirect/ambsmooth.h"

@@ -8,7 +8,7 @@
 #ifndef RAD_LIGHT_AMBSMOOTH_H
 #define RAD_LIGHT_AMBSMOOTH_H
 
-#include "light/indirect/ambcache.h"
+#include "light/record/ambcache.h"
 #include "light/indirect/ambshape.h"
 #include "light/smooth/smooth.h"
 

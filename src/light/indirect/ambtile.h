@@ -9,7 +9,8 @@
 #ifndef RAD_LIGHT_AMBTILE_H
 #define RAD_LIGHT_AMBTILE_H
 
-#include "light/indirect/ambcache.h"
+#include "light/indirect/ambient.h"
+#include "light/record/ambcache.h"
 
 struct rad_ambtile {
     const struct rad_ambview *view; /* state of the frozen cache that the tile

@@ -1,4 +1,4 @@
-/* check_ambcache.c - tests of src/light/indirect/ambcache.c
+/* check_ambcache.c - tests of src/light/record/ambcache.c
  *
  * RADD_SOAK=long inserts 10^6 records from eight threads in place of some
  * thousand. */
@@ -6,8 +6,8 @@
 
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/indirect/ambcache.h"
-#include "light/indirect/ambread.h"
+#include "light/record/ambcache.h"
+#include "light/record/ambread.h"
 #include "tests/world.h"
 
 #include <pthread.h>

@@ -41,7 +41,7 @@
  * rare, and to wait for each other would cost more.  */
 #include "config.h"
 
-#include "light/indirect/ambcache_impl.h"
+#include "light/record/ambcache_impl.h"
 #include "base/vec.h"
 
 #include <assert.h>

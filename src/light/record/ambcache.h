@@ -8,7 +8,10 @@
 #ifndef RAD_LIGHT_AMBCACHE_H
 #define RAD_LIGHT_AMBCACHE_H
 
-#include "light/indirect/ambient.h"
+#include "light/record/ambrec.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 struct rad_ambcache;
 

@@ -16,8 +16,8 @@
 #ifndef RAD_LIGHT_AMBREAD_IMPL_H
 #define RAD_LIGHT_AMBREAD_IMPL_H
 
-#include "light/indirect/ambread.h"
-#include "light/indirect/ambcache_impl.h"
+#include "light/record/ambread.h"
+#include "light/record/ambcache_impl.h"
 
 #define PLACES  16 /* of a block: a vector of bytes */
 #define GRID    32 /* bits of a coordinate in the cube */

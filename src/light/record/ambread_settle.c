@@ -11,7 +11,7 @@
  * proportion to their blocks.  */
 #include "config.h"
 
-#include "light/indirect/ambread_impl.h"
+#include "light/record/ambread_impl.h"
 #include "base/vec.h"
 
 #include <assert.h>

@@ -1,7 +1,7 @@
 /* ambread.c - see ambread.h, and ambread_impl.h for the trees  */
 #include "config.h"
 
-#include "light/indirect/ambread_impl.h"
+#include "light/record/ambread_impl.h"
 #include "base/vec.h"
 
 #include <assert.h>

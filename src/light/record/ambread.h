@@ -8,7 +8,7 @@
 #ifndef RAD_LIGHT_AMBREAD_H
 #define RAD_LIGHT_AMBREAD_H
 
-#include "light/indirect/ambcache.h"
+#include "light/record/ambcache.h"
 
 struct rad_ambread_tree;
 

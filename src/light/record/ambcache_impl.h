@@ -7,8 +7,8 @@
 #ifndef RAD_LIGHT_AMBCACHE_IMPL_H
 #define RAD_LIGHT_AMBCACHE_IMPL_H
 
-#include "light/indirect/ambcache.h"
-#include "light/indirect/ambpool.h"
+#include "light/record/ambcache.h"
+#include "light/record/ambpool.h"
 
 #include <math.h>
 #include <stdalign.h>

@@ -7,7 +7,7 @@
  * alone, and checks all other accesses. */
 #include "config.h"
 
-#include "light/indirect/ambcache_impl.h"
+#include "light/record/ambcache_impl.h"
 #include "base/vec.h"
 
 #include <stdlib.h>

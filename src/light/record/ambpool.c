@@ -6,7 +6,7 @@
  * its own chunk and uses the other's.  */
 #include "config.h"
 
-#include "light/indirect/ambpool.h"
+#include "light/record/ambpool.h"
 
 #include <stdalign.h>
 #include <stdlib.h>
