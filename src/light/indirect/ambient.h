@@ -7,7 +7,7 @@
  * Growth: a live cache has append-only octrees (ambcache.c): readers never
  * wait, an insertion is a compare-and-swap on a list head, and records are
  * never moved or changed.  A frozen cache has an array of records, and trees
- * that are made anew after insertions (ambread.c).
+ * that grow between passes (ambread_settle.c).
  * Sources: Ward, Rubinstein & Clear 1988 (record radius, error);
  *          Ward & Heckbert 1992 (gradients);
  *          Schwarzhaupt, Jensen & Jarosz 2012 (Hessian radii). */

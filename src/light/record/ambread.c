@@ -11,7 +11,8 @@
 #include <emmintrin.h>
 #endif
 
-#define AT_ONCE 3 /* records are handed on when there are so many */
+#define AT_ONCE 3  /* records are handed on when there are so many */
+#define HEAP    16 /* bytes that the heap takes beside what it gives, about */
 
 void
 rad_ambread_init(struct rad_ambread *r, const double org[3], double side)
@@ -22,17 +23,20 @@ rad_ambread_init(struct rad_ambread *r, const double org[3], double side)
 }
 
 void
-rad_ambread_release_tree(struct rad_ambread_tree *t)
+rad_ambread_empty(struct rad_ambread_cell *c)
 {
-    free(t->part);
-    free(t->block);
+    for (int k = 0; c->divided && k < 8; k++)
+        rad_ambread_empty(&c->part[k]);
+    free(c->divided ? (void *)c->part : c->list);
+    *c = (struct rad_ambread_cell){ .n = 0 };
 }
 
 void
 rad_ambread_release(struct rad_ambread *r)
 {
     for (int i = 0; r->tree && i < ROOTS * FACES; i++)
-        rad_ambread_release_tree(&r->tree[i]);
+        rad_ambread_empty(&r->tree[i]);
+    rad_ambread_drop_settling(r);
     free(r->tree);
     free(r->item);
     free(r->glint);
@@ -115,16 +119,29 @@ rad_ambread_list(const struct rad_ambread *r, uint64_t *cursor,
     return n;
 }
 
+void
+rad_ambread_measure(const struct rad_ambread_cell *c,
+                    struct rad_ambread_size *sum)
+{
+    size_t blocks = c->divided ? 0 : blocks_for(c->n);
+
+    sum->blocks += blocks;
+    sum->bytes += blocks * sizeof *c->list;
+    sum->bytes += c->divided ? 8 * sizeof *c->part : 0;
+    sum->bytes += c->n > 0 ? HEAP : 0;
+    for (int k = 0; c->divided && k < 8; k++)
+        rad_ambread_measure(&c->part[k], sum);
+}
+
 size_t
 rad_ambread_bytes(const struct rad_ambread *r)
 {
     size_t bytes = r->cap * sizeof *r->item + r->glint_cap * sizeof *r->glint;
+    struct rad_ambread_size trees = { 0, 0 };
 
     for (int i = 0; r->tree && i < ROOTS * FACES; i++)
-        bytes += sizeof *r->tree +
-                 (r->tree[i].nparts + 1) * sizeof *r->tree->part +
-                 (r->tree[i].nblocks + 1) * sizeof *r->tree->block;
-    return bytes;
+        rad_ambread_measure(&r->tree[i], &trees);
+    return bytes + trees.bytes;
 }
 
 /* --- look-up --- */
@@ -236,23 +253,20 @@ begin_block(struct reading *k)
 }
 
 static inline void
-begin_list(struct reading *k, const struct rad_ambread_tree *t,
+begin_list(struct reading *k, const struct rad_ambread_cell *cell,
            const uint32_t number[3])
 {
-    uint64_t cell = t->root;
     int shift = GRID;
 
-    while (!(cell & LEAF)) {
+    while (cell->divided) {
         shift--;
-        cell = t->part[cell + part_number(number, shift)];
+        cell = &cell->part[part_number(number, shift)];
     }
     for (int j = 0; j < 3; j++)
         k->probe.at[j] = (uint8_t)(number[j] >> (shift - 8));
-    k->block = k->end = t->block;
-    if (cell != LEAF) {
-        k->block += (uint32_t)cell;
-        k->end = k->block + ((cell & ~LEAF) >> 32);
-    }
+    k->block = k->end = cell->list;
+    if (cell->n > 0)
+        k->end += blocks_for(cell->n);
     begin_block(k);
 }
 

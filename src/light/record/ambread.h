@@ -10,7 +10,8 @@
 
 #include "light/record/ambcache.h"
 
-struct rad_ambread_tree;
+struct rad_ambread_cell;
+struct rad_ambread_settling;
 
 /* The glint of a record that has one. */
 struct rad_ambread_glint {
@@ -25,7 +26,8 @@ struct rad_ambread {
     struct rad_ambread_glint *glint; /* in the order of records */
     size_t nglints, glint_cap;
     size_t settled;                /* so many records are in the trees */
-    struct rad_ambread_tree *tree; /* by bounces and face; NULL: none yet */
+    struct rad_ambread_cell *tree; /* by bounces and face; NULL: none yet */
+    struct rad_ambread_settling *settling; /* NULL: none is under way */
 };
 
 void rad_ambread_init(struct rad_ambread *r, const double org[3], double side);
@@ -35,13 +37,21 @@ void rad_ambread_release(struct rad_ambread *r);
  * False: out of memory. */
 bool rad_ambread_add(struct rad_ambread *r, const struct rad_ambrec *rec);
 
-/* Make the trees anew to which records have been added.  zone(arg, item) is a
- * record's zone, the same at each call.  False: out of memory; then some
- * records are not found, and the next call tries again. */
+/* Put the records that were added into the trees.  zone(arg, item) is a
+ * record's zone, the same at each call.  False: out of memory; then r must not
+ * be read any more. */
 typedef struct rad_ambzone rad_ambread_zone_fn(const void *arg,
                                                const struct rad_ambitem *item);
 bool rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
                         const void *arg);
+
+/* The same for several threads: begin, which returns a number of pieces; make
+ * each of these once; end, with the result of rad_ambread_settle().
+ * Thread: one begins, and one ends; any number make pieces. */
+size_t rad_ambread_settle_begin(struct rad_ambread *r,
+                                rad_ambread_zone_fn *zone, const void *arg);
+void rad_ambread_settle_piece(struct rad_ambread *r, size_t piece);
+bool rad_ambread_settle_end(struct rad_ambread *r);
 
 /* As rad_ambcache_visit(), for the first `before` records; all must be settled.
  * The order in which they come depends on the records and on the order in which

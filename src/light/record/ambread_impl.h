@@ -33,16 +33,22 @@ struct places {
     uint32_t item[PLACES];
 };
 
-/* A cell is a number.  A leaf: LEAF | number of its blocks << 32 | index of the
- * first block.  A cell that is divided: index of its first part. */
-#define LEAF (UINT64_C(1) << 63)
-
-struct rad_ambread_tree {
-    uint64_t root;
-    uint64_t *part; /* cells: eight for each cell that is divided */
-    struct places *block;
-    size_t nparts, nblocks;
+/* A cell of a tree: a leaf, unless it is divided.  All zero: an empty leaf. */
+struct rad_ambread_cell {
+    union {
+        struct places *list;           /* of the leaf; NULL: empty */
+        struct rad_ambread_cell *part; /* eight, by part_number() */
+    };
+    uint32_t n; /* records whose zones touch the cell */
+    bool divided;
 };
+
+/* The blocks of a list of n places. */
+static inline size_t
+blocks_for(size_t n)
+{
+    return (n + PLACES - 1) / PLACES;
+}
 
 /* A coordinate, in sides of the cube, as an integer of GRID bits. */
 static inline uint32_t
@@ -60,7 +66,16 @@ part_number(const uint32_t number[3], int bit)
            (number[2] >> bit & 1) << 2;
 }
 
-/* Free what a tree holds. */
-void rad_ambread_release_tree(struct rad_ambread_tree *t);
+/* What a cell has on the heap. */
+struct rad_ambread_size {
+    size_t blocks, bytes;
+};
+void rad_ambread_measure(const struct rad_ambread_cell *c,
+                         struct rad_ambread_size *sum);
+/* Free it; the cell is empty then. */
+void rad_ambread_empty(struct rad_ambread_cell *c);
+
+/* ambread_settle.c: free what is left of a settling that is under way. */
+void rad_ambread_drop_settling(struct rad_ambread *r);
 
 #endif

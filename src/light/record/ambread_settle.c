@@ -1,25 +1,35 @@
-/* ambread_settle.c - a frozen cache's trees are made
+/* ambread_settle.c - new records are put into a frozen cache's trees
  *
- * A cell is divided if its parts' lists take less to read than its own, by the
- * half of a block that a step down costs.  A part is taken to be looked up in
- * proportion to its number of records, for records are made where look-ups
- * miss.  Where all records of a cell are in a single part, as in a room that is
- * small in its scene, the part takes the cell's place: its list is no longer,
- * and tells boxes apart more finely.
+ * A new record is added to the lists of the leaves that its zone touches; all
+ * else stays.  A leaf whose list gets longer by a block is divided if its
+ * parts' lists take less to read, by the half of a block that a step down
+ * costs.  A part is taken to be looked up in proportion to its number of
+ * records, for records are made where look-ups miss.  A leaf whose records are
+ * all in a single part, as those of a room that is small in its scene, is
+ * divided, too: the part's list is no longer, and tells boxes apart more
+ * finely.
  * Copies are bounded: a tree has at most COPIES places for a record, or one
- * block.  When a cell is divided its bound is shared out among its parts, in
- * proportion to their blocks.  */
+ * block.  This is shared out among the parts of a cell, in proportion to their
+ * blocks.  Since that proportion changes as records come, a tree may come to
+ * have more places; it is made anew when it gets records next.
+ * Pieces are cells that few of the new records touch; the thread that begins
+ * goes down to them.  The shape of the trees does not depend on who makes which
+ * piece, and what look-ups find does not depend on the shape (ambread.h).  */
 #include "config.h"
 
 #include "light/record/ambread_impl.h"
 #include "base/vec.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define COPIES  6  /* places for a record, in the mean, at most */
 #define DEEPEST 24 /* depth of the smallest leaves */
+#define TREES   (ROOTS * FACES)
+
+/* A piece has at most one of so many parts of the new records, or LEAST. */
+#define PARTS 256
+#define LEAST 16
 
 /* The zone of a record. */
 struct extent {
@@ -28,27 +38,49 @@ struct extent {
                             * up by the errors of floats */
     uint32_t item;         /* index of the record */
     uint8_t size;          /* as of struct places */
+    uint8_t tree;
+    uint8_t touched; /* parts of a cell, as bits: divide() */
 };
 
-/* A tree being made. */
-struct build {
+/* A cell of the octree. */
+struct spot {
+    uint32_t cell[3]; /* the cell's number along each axis, at its depth */
+    int depth;
+};
+
+/* A cell and the new records that touch it. */
+struct piece {
+    struct rad_ambread_cell *cell;
+    struct spot spot;
+    size_t most; /* as of grow() */
+    struct extent *list;
+    size_t n;
+    bool failed; /* memory was out */
+};
+
+struct rad_ambread_settling {
+    rad_ambread_zone_fn *zone;
+    const void *arg;
+    struct piece *piece;
+    size_t n, cap, at_most; /* pieces; records of one at most */
+    bool failed;            /* memory was out */
+};
+
+/* Trees or a piece that grow. */
+struct growth {
     const struct rad_ambread *r;
-    struct rad_ambread_tree tree;
-    size_t most_parts, most_blocks; /* room in tree.part and tree.block */
-    int face;
-    const struct extent *extent;
-    uint32_t *list;   /* a stack: indices of extents, for each cell on the way
-                       * down and its parts */
-    size_t top, most; /* length of list, and its room */
-    uint8_t *touched; /* parts that each extent of a cell touches, as bits */
-    bool failed;      /* memory was out */
+    bool cuts;           /* leave small cells for pieces */
+    struct extent *list; /* a stack: lists of the cells on the way down and of
+                          * their parts */
+    size_t top, cap;     /* length of list, and its room */
+    bool failed;         /* memory was out */
 };
 
 /* Set *e to the zone, half an ellipsoid about the normal (struct rad_ambzone),
  * with a margin for the rounding of its axes. */
 static void
 set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
-           const struct rad_ambzone *zone)
+           uint8_t tree, const struct rad_ambzone *zone)
 {
     const struct rad_ambitem *it = &r->item[item];
     double per = (1 + 0x1p-20) / r->side, q[3];
@@ -76,24 +108,20 @@ set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
     e->reach = (float)(reach + slack + 1e-6);
     e->item = item;
     e->size = (uint8_t)(MAX_DEPTH - depth_for(reach));
+    e->tree = tree;
 }
 
-/* A cell of the octree. */
-struct spot {
-    uint32_t cell[3]; /* the cell's number along each axis, at its depth */
-    int depth;
-};
-
 /* Set d2 to the squared distances of a zone's centre from the two halves of a
- * cell along axis k; returns which halves the zone's box reaches, as bits. */
+ * cell, of that length, along axis k; returns which halves the zone's box
+ * reaches, as bits. */
 static inline unsigned
-halves(const struct extent *e, const struct spot *s, int k, float d2[2])
+halves(const struct extent *e, const struct spot *s, float half, int k,
+       float d2[2])
 {
     uint64_t middle = ((uint64_t)s->cell[k] * 2 + 1) << (GRID - 1 - s->depth);
-    float side = ldexpf(.5f, -s->depth);
-    float d = e->at[k] - (float)(2 * (uint64_t)s->cell[k] + 1) * side;
-    float low = fabsf(d + side / 2) - side / 2;
-    float high = fabsf(d - side / 2) - side / 2;
+    float d = e->at[k] - (float)(2 * (uint64_t)s->cell[k] + 1) * half;
+    float low = fabsf(d + half / 2) - half / 2;
+    float high = fabsf(d - half / 2) - half / 2;
 
     d2[0] = low > 0 ? low * low : 0;
     d2[1] = high > 0 ? high * high : 0;
@@ -102,11 +130,11 @@ halves(const struct extent *e, const struct spot *s, int k, float d2[2])
 
 /* The parts of a cell that a zone touches, as bits, by x | y << 1 | z << 2. */
 static unsigned
-parts_touched(const struct extent *e, const struct spot *s)
+parts_touched(const struct extent *e, const struct spot *s, float half)
 {
     float x[2], y[2], z[2], r2 = e->reach * e->reach;
-    unsigned in[3] = { halves(e, s, 0, x), halves(e, s, 1, y),
-                       halves(e, s, 2, z) };
+    unsigned in[3] = { halves(e, s, half, 0, x), halves(e, s, half, 1, y),
+                       halves(e, s, half, 2, z) };
     unsigned parts = 0;
 
     for (unsigned k = 0; k < 8; k++)
@@ -116,27 +144,58 @@ parts_touched(const struct extent *e, const struct spot *s)
     return parts;
 }
 
-static size_t
-blocks_for(size_t n)
+/* Make room for n more on the stack. */
+static bool
+reserve(struct growth *g, size_t n)
 {
-    return (n + PLACES - 1) / PLACES;
-}
+    struct extent *more = g->list;
 
-static void
-push(struct build *b, uint32_t e)
-{
-    if (b->top == b->most) {
-        size_t most = 2 * b->most + 1024;
-        uint32_t *more = realloc(b->list, most * sizeof *more);
-
-        b->failed |= !more;
-        if (!more)
-            return;
-        b->list = more;
-        b->most = most;
+    if (g->top + n <= g->cap)
+        return true;
+    more = realloc(more, 2 * (g->top + n) * sizeof *more);
+    g->failed |= !more;
+    if (more) {
+        g->list = more;
+        g->cap = 2 * (g->top + n);
     }
-    b->list[b->top++] = e;
+    return more != NULL;
 }
+
+/* The lists of a cell's eight parts, on the stack. */
+struct parts {
+    size_t from[8], n[8];
+};
+
+/* Put the lists of a cell's parts on the stack; the cell's own list has n
+ * extents from list[from] on.  False: out of memory. */
+static bool
+divide(struct growth *g, size_t from, size_t n, const struct spot *s,
+       struct parts *p)
+{
+    float half = ldexpf(.5f, -s->depth);
+    size_t at[8];
+
+    memset(p->n, 0, sizeof p->n);
+    for (size_t i = from; i < from + n; i++) {
+        unsigned touched = parts_touched(&g->list[i], s, half);
+
+        g->list[i].touched = (uint8_t)touched;
+        for (; touched; touched &= touched - 1)
+            p->n[__builtin_ctz(touched)]++;
+    }
+    for (int k = 0; k < 8; k++) {
+        if (!reserve(g, p->n[k]))
+            return false;
+        at[k] = p->from[k] = g->top;
+        g->top += p->n[k];
+    }
+    for (size_t i = from; i < from + n; i++)
+        for (unsigned to = g->list[i].touched; to; to &= to - 1)
+            g->list[at[__builtin_ctz(to)]++] = g->list[i];
+    return true;
+}
+
+/* --- leaves --- */
 
 /* A coordinate of a box, by grid_number(), as a byte in a cell: 0 or 255 beyond
  * the cell. */
@@ -151,250 +210,236 @@ byte_in(uint32_t number, uint32_t cell, int depth)
 }
 
 static void
-fill(const struct build *b, struct places *to, int i, const struct extent *e,
-     const struct spot *s)
+set_place(const struct growth *g, struct places *list, size_t at,
+          const struct extent *e, const struct spot *s)
 {
-    const float *n = b->r->item[e->item].n;
-    int axis = b->face / 2;
+    const float *n = g->r->item[e->item].n;
+    struct places *to = &list[at / PLACES];
+    int axis = e->tree % FACES / 2;
 
+    at %= PLACES;
     for (int k = 0; k < 3; k++) {
-        to->lo[k][i] = byte_in(e->lo[k], s->cell[k], s->depth);
-        to->hi[k][i] = byte_in(e->hi[k], s->cell[k], s->depth);
+        to->lo[k][at] = byte_in(e->lo[k], s->cell[k], s->depth);
+        to->hi[k][at] = byte_in(e->hi[k], s->cell[k], s->depth);
     }
     for (int k = 0; k < 2; k++)
-        to->lean[k][i] = normal_byte((double)n[(axis + 1 + k) % 3]);
-    to->size[i] = e->size;
-    to->item[i] = e->item;
+        to->lean[k][at] = normal_byte((double)n[(axis + 1 + k) % 3]);
+    to->size[at] = e->size;
+    to->item[at] = e->item;
 }
 
-/* Make a leaf of the n extents from list[from] on. */
-static uint64_t
-make_leaf(struct build *b, size_t from, size_t n, const struct spot *s)
-{
-    struct rad_ambread_tree *t = &b->tree;
-    size_t first = t->nblocks, blocks = blocks_for(n);
-
-    if (first + blocks > b->most_blocks) {
-        size_t most = 2 * first + blocks;
-        struct places *more = realloc(t->block, most * sizeof *more);
-
-        b->failed |= !more;
-        if (!more)
-            return LEAF;
-        t->block = more;
-        b->most_blocks = most;
-    }
-    t->nblocks += blocks;
-    for (size_t i = 0; i < blocks; i++) {
-        memset(&t->block[first + i], 0, sizeof *t->block);
-        memset(t->block[first + i].size, NO_SIZE, PLACES);
-    }
-    for (size_t i = 0; i < n; i++)
-        fill(b, &t->block[first + i / PLACES], (int)(i % PLACES),
-             &b->extent[b->list[from + i]], s);
-    return LEAF | (uint64_t)blocks << 32 | first;
-}
-
-static struct spot
-part_of(const struct spot *s, unsigned k)
-{
-    return (struct spot){ { s->cell[0] << 1 | (k & 1),
-                            s->cell[1] << 1 | (k >> 1 & 1),
-                            s->cell[2] << 1 | k >> 2 },
-                          s->depth + 1 };
-}
-
-/* The lists of a cell's eight parts, on the stack. */
-struct parts {
-    size_t from[8], n[8];
-    size_t blocks; /* of all eight, as leaves */
-};
-
-/* Put the lists of a cell's parts on the stack; the cell's own list has n
- * extents from list[from] on. */
 static void
-divide(struct build *b, size_t from, size_t n, const struct spot *s,
-       struct parts *p)
+move_place(struct places *list, size_t from, size_t at)
 {
-    for (size_t i = 0; i < n; i++)
-        b->touched[i] =
-            (uint8_t)parts_touched(&b->extent[b->list[from + i]], s);
-    p->blocks = 0;
-    for (unsigned k = 0; k < 8; k++) {
-        p->from[k] = b->top;
-        for (size_t i = 0; i < n; i++)
-            if (b->touched[i] >> k & 1)
-                push(b, b->list[from + i]);
-        p->n[k] = b->top - p->from[k];
-        p->blocks += blocks_for(p->n[k]);
+    const struct places *old = &list[from / PLACES];
+    struct places *to = &list[at / PLACES];
+
+    from %= PLACES;
+    at %= PLACES;
+    for (int k = 0; k < 3; k++) {
+        to->lo[k][at] = old->lo[k][from];
+        to->hi[k][at] = old->hi[k][from];
     }
+    for (int k = 0; k < 2; k++)
+        to->lean[k][at] = old->lean[k][from];
+    to->size[at] = old->size[from];
+    to->item[at] = old->item[from];
 }
 
-/* The only part that a cell's n extents touch; 8: there are several. */
-static unsigned
-only_part(const struct parts *p, size_t n)
+static uint8_t
+size_at(const struct places *list, size_t i)
 {
-    unsigned k = 0;
-
-    while (k < 8 && (p->n[k] < n || p->blocks > blocks_for(n)))
-        k++;
-    return k;
+    return list[i / PLACES].size[i % PLACES];
 }
 
-/* As divide(), of the smallest cell in *s that has all of these extents to
- * itself; *s becomes that cell. */
-static void
-divide_within(struct build *b, size_t from, size_t n, struct spot *s,
-              struct parts *p)
-{
-    size_t top = b->top;
-    unsigned only;
-
-    for (;;) {
-        divide(b, from, n, s, p);
-        only = only_part(p, n);
-        if (only == 8 || s->depth + 1 == DEEPEST || b->failed)
-            return;
-        b->top = top;
-        *s = part_of(s, only);
-    }
-}
-
-/* Do the parts' lists take less to read than the cell's, of n extents, by half
- * a block?  Means, weighted by the parts' numbers of records. */
+/* Make room for n more places in a leaf's list.  False: out of memory. */
 static bool
-pays(const struct parts *p, size_t n)
+lengthen(struct rad_ambread_cell *c, size_t n)
 {
-    size_t sum = 0, whole = 0;
+    size_t had = blocks_for(c->n), blocks = blocks_for(c->n + n);
+    struct places *list = c->list;
 
-    for (int k = 0; k < 8; k++) {
-        sum += p->n[k] * 2 * blocks_for(p->n[k]);
-        whole += p->n[k];
-    }
-    return sum < whole * (2 * blocks_for(n) - 1);
-}
-
-/* Eight new cells; returns the index of the first. */
-static size_t
-new_parts(struct build *b)
-{
-    struct rad_ambread_tree *t = &b->tree;
-
-    if (t->nparts + 8 > b->most_parts) {
-        size_t most = 2 * t->nparts + 8;
-        uint64_t *more = realloc(t->part, most * sizeof *more);
-
-        b->failed |= !more;
-        if (!more)
-            return 0;
-        t->part = more;
-        b->most_parts = most;
-    }
-    t->nparts += 8;
-    return t->nparts - 8;
-}
-
-/* The number of the cell that is so many steps above the cell *s, whose number
- * is `cell`, and that holds nothing else. */
-static uint64_t
-wrap(struct build *b, uint64_t cell, const struct spot *s, int steps)
-{
-    for (int i = 0; i < steps; i++) {
-        size_t at = new_parts(b);
-
-        if (b->failed)
-            return LEAF;
-        for (int k = 0; k < 8; k++)
-            b->tree.part[at + (size_t)k] = LEAF;
-        b->tree.part[at + part_number(s->cell, i)] = cell;
-        cell = at;
-    }
-    return cell;
-}
-
-static uint64_t make_parts(struct build *b, const struct parts *p, size_t most,
-                           const struct spot *s);
-
-/* Make the cell of the n extents from list[from] on, with at most `most` blocks
- * unless it is a leaf; returns its number. */
-static uint64_t
-make_cell(struct build *b, size_t from, size_t n, size_t most,
-          const struct spot *s)
-{
-    struct spot inner = *s;
-    size_t top = b->top;
-    struct parts p;
-    uint64_t cell;
-
-    if (n <= PLACES || s->depth == DEEPEST || b->failed)
-        return make_leaf(b, from, n, s);
-    divide_within(b, from, n, &inner, &p);
-    cell = b->failed || p.blocks > most || !pays(&p, n)
-               ? make_leaf(b, from, n, &inner)
-               : make_parts(b, &p, most, &inner);
-    b->top = top;
-    return wrap(b, cell, &inner, inner.depth - s->depth);
-}
-
-/* Make the parts of the cell *s, with at most `most` blocks unless they are
- * leaves; returns the cell's number. */
-static uint64_t
-make_parts(struct build *b, const struct parts *p, size_t most,
-           const struct spot *s)
-{
-    size_t at = new_parts(b);
-
-    for (unsigned k = 0; k < 8 && !b->failed; k++) {
-        struct spot part = part_of(s, k);
-        uint64_t cell =
-            make_cell(b, p->from[k], p->n[k],
-                      most * blocks_for(p->n[k]) / p->blocks, &part);
-
-        if (!b->failed)
-            b->tree.part[at + k] = cell;
-    }
-    return at;
-}
-
-/* Give back memory that was not needed. */
-static void
-trim(struct build *b)
-{
-    struct rad_ambread_tree *t = &b->tree;
-    void *less = realloc(t->part, (t->nparts + 1) * sizeof *t->part);
-
-    t->part = less ? less : t->part;
-    less = realloc(t->block, (t->nblocks + 1) * sizeof *t->block);
-    t->block = less ? less : t->block;
-}
-
-/* Make the tree of n extents, which are in the order of compare(), in place of
- * the old tree.  False: out of memory; the old tree stays. */
-static bool
-make_tree(struct rad_ambread *r, int which, const struct extent *extent,
-          size_t n)
-{
-    struct build b = { .r = r, .face = which % FACES, .extent = extent };
-    struct spot whole = { .depth = 0 };
-    size_t most = n * COPIES / PLACES;
-
-    b.touched = malloc(n);
-    b.failed = !b.touched;
-    for (uint32_t i = 0; i < n; i++)
-        push(&b, i);
-    if (!b.failed)
-        b.tree.root = make_cell(&b, 0, n, most, &whole);
-    free(b.list);
-    free(b.touched);
-    if (b.failed) {
-        rad_ambread_release_tree(&b.tree);
+    if (blocks == had)
+        return true;
+    list = realloc(list, blocks * sizeof *list);
+    if (!list)
         return false;
-    }
-    trim(&b);
-    rad_ambread_release_tree(&r->tree[which]);
-    r->tree[which] = b.tree;
+    memset(list + had, 0, (blocks - had) * sizeof *list);
+    for (size_t i = had; i < blocks; i++)
+        memset(list[i].size, NO_SIZE, PLACES);
+    c->list = list;
     return true;
 }
+
+/* Add the n extents from list[from] on to a leaf.  Small zones come first, then
+ * the order in which records were added, so a new record comes behind the old
+ * ones of its size. */
+static void
+add_to_leaf(struct growth *g, struct rad_ambread_cell *c, size_t from, size_t n,
+            const struct spot *s)
+{
+    const struct extent *e = &g->list[from];
+    size_t old = c->n, to = c->n + n;
+
+    if (!lengthen(c, n)) {
+        g->failed = true;
+        return;
+    }
+    c->n += (uint32_t)n;
+    while (n > 0)
+        if (old > 0 && size_at(c->list, old - 1) > e[n - 1].size)
+            move_place(c->list, --old, --to);
+        else
+            set_place(g, c->list, --to, &e[--n], s);
+}
+
+/* --- cells that are divided --- */
+
+/* Put the extents of a leaf on the stack, merged with the n that are new, from
+ * list[from] on.  False: out of memory. */
+static bool
+gather(struct growth *g, const struct rad_ambread_cell *c, size_t from,
+       size_t n)
+{
+    const struct rad_ambread_settling *s = g->r->settling;
+    uint8_t tree = g->list[from].tree;
+    struct extent *to;
+
+    if (!reserve(g, c->n + n))
+        return false;
+    to = &g->list[g->top];
+    g->top += c->n + n;
+    for (size_t i = 0, end = from + n; i < c->n || from < end;)
+        if (i == c->n ||
+            (from < end && size_at(c->list, i) > g->list[from].size)) {
+            *to++ = g->list[from++];
+        } else {
+            uint32_t item = c->list[i / PLACES].item[i % PLACES];
+            struct rad_ambzone zone = s->zone(s->arg, &g->r->item[item]);
+
+            set_extent(to++, g->r, item, tree, &zone);
+            i++;
+        }
+    return true;
+}
+
+/* Is a leaf of n records divided?  Yes, if all are in a single part; or if the
+ * parts' lists take at most `most` blocks, and less to read than the leaf's by
+ * half a block: means, weighted by the parts' numbers of records. */
+static bool
+is_divided(const struct parts *p, size_t n, size_t most)
+{
+    size_t blocks = 0, sum = 0, places = 0;
+    bool single = false;
+
+    for (int k = 0; k < 8; k++) {
+        blocks += blocks_for(p->n[k]);
+        sum += p->n[k] * 2 * blocks_for(p->n[k]);
+        places += p->n[k];
+        single |= p->n[k] == n;
+    }
+    return (single && places == n) ||
+           (blocks <= most && sum < places * (2 * blocks_for(n) - 1));
+}
+
+static void grow(struct growth *g, struct rad_ambread_cell *c, size_t from,
+                 size_t n, size_t most, const struct spot *s);
+
+/* Add to the parts of a divided cell what *p lists; they get at most `most`
+ * blocks unless they are leaves. */
+static void
+grow_parts(struct growth *g, struct rad_ambread_cell *part,
+           const struct parts *p, size_t most, const struct spot *s)
+{
+    size_t blocks[8], all = 0;
+
+    for (int k = 0; k < 8; k++) {
+        blocks[k] = blocks_for(part[k].n + p->n[k]);
+        all += blocks[k];
+    }
+    for (unsigned k = 0; k < 8; k++) {
+        struct spot spot = { { s->cell[0] << 1 | (k & 1),
+                               s->cell[1] << 1 | (k >> 1 & 1),
+                               s->cell[2] << 1 | k >> 2 },
+                             s->depth + 1 };
+
+        if (p->n[k] > 0)
+            grow(g, &part[k], p->from[k], p->n[k], most * blocks[k] / all,
+                 &spot);
+    }
+}
+
+/* Divide a leaf to which n records are added, if that is better; arguments as
+ * of grow().  False: the leaf is as it was. */
+static bool
+split(struct growth *g, struct rad_ambread_cell *c, size_t from, size_t n,
+      size_t most, const struct spot *s)
+{
+    size_t all = c->n + n, top = g->top;
+    struct rad_ambread_cell *part;
+    struct parts p;
+
+    if (all <= PLACES || blocks_for(all) == blocks_for(c->n) ||
+        s->depth == DEEPEST || !gather(g, c, from, n) ||
+        !divide(g, top, all, s, &p) || !is_divided(&p, all, most))
+        return false;
+    part = calloc(8, sizeof *part);
+    g->failed |= !part;
+    if (!part)
+        return false;
+    free(c->list);
+    *c = (struct rad_ambread_cell){ { .part = part }, (uint32_t)all, true };
+    grow_parts(g, part, &p, most, s);
+    return true;
+}
+
+/* Leave a cell to a piece; arguments as of grow(). */
+static void
+cut(struct growth *g, const struct piece *as, size_t from)
+{
+    struct rad_ambread_settling *s = g->r->settling;
+    struct piece *p;
+
+    if (s->n == s->cap) {
+        size_t cap = 2 * s->cap + PARTS;
+        struct piece *more = realloc(s->piece, cap * sizeof *more);
+
+        g->failed |= !more;
+        if (!more)
+            return;
+        s->piece = more;
+        s->cap = cap;
+    }
+    p = &s->piece[s->n++];
+    *p = *as;
+    p->list = malloc(p->n * sizeof *p->list);
+    p->failed = !p->list;
+    if (p->list)
+        memcpy(p->list, &g->list[from], p->n * sizeof *p->list);
+}
+
+/* Add the n new extents from list[from] on, at least one, to the cell *c, with
+ * at most `most` blocks unless it is a leaf. */
+static void
+grow(struct growth *g, struct rad_ambread_cell *c, size_t from, size_t n,
+     size_t most, const struct spot *s)
+{
+    size_t top = g->top;
+    struct parts p;
+
+    if (g->failed)
+        return;
+    if (g->cuts && n <= g->r->settling->at_most)
+        cut(g, &(struct piece){ c, *s, most, NULL, n, false }, from);
+    else if (c->divided && divide(g, from, n, s, &p)) {
+        c->n += (uint32_t)n;
+        grow_parts(g, c->part, &p, most, s);
+    } else if (!c->divided && !split(g, c, from, n, most, s) && !g->failed)
+        add_to_leaf(g, c, from, n, s);
+    g->top = top;
+}
+
+/* --- settling --- */
 
 static int
 tree_of(const struct rad_ambitem *item)
@@ -402,73 +447,143 @@ tree_of(const struct rad_ambitem *item)
     return root_of(item->level) * FACES + face_of(item->n);
 }
 
-/* Orders extents: small zones first, then as their records were added. */
+/* Orders extents: by tree, small zones first, then as their records were added.
+ */
 static int
 compare(const void *one, const void *other)
 {
     const struct extent *a = one, *b = other;
 
+    if (a->tree != b->tree)
+        return a->tree < b->tree ? -1 : 1;
     if (a->size != b->size)
         return a->size < b->size ? -1 : 1;
-    return a->item < b->item ? -1 : 1;
+    return a->item < b->item ? -1 : a->item > b->item;
 }
 
-/* Make a tree anew from all n records that belong to it. */
-static bool
-remake(struct rad_ambread *r, int which, size_t n, rad_ambread_zone_fn *zone,
-       const void *arg)
+/* Empty the trees that have too many places; they are made of the records from
+ * the returned index on, those in other trees left out. */
+static size_t
+empty_wasteful(struct rad_ambread *r)
 {
-    struct extent *extent = calloc(n, sizeof *extent);
-    size_t got = 0;
-    bool ok;
+    size_t from = r->settled;
 
-    if (!extent)
-        return false;
-    for (uint32_t i = 0; i < r->n; i++)
-        if (tree_of(&r->item[i]) == which) {
-            struct rad_ambzone z = zone(arg, &r->item[i]);
+    for (int i = 0; i < TREES; i++) {
+        struct rad_ambread_size has = { 0, 0 };
 
-            set_extent(&extent[got++], r, i, &z);
+        rad_ambread_measure(&r->tree[i], &has);
+        if (has.blocks > 1 && has.blocks * PLACES > r->tree[i].n * COPIES) {
+            rad_ambread_empty(&r->tree[i]);
+            from = 0;
         }
-    assert(got == n);
-    qsort(extent, n, sizeof *extent, compare);
-    ok = make_tree(r, which, extent, n);
-    free(extent);
-    return ok;
+    }
+    return from;
 }
 
-static bool
-make_forest(struct rad_ambread *r)
+/* Put the extents of the records on the stack that are in no tree. */
+static void
+list_new(struct growth *g)
 {
-    if (r->tree)
-        return true;
-    r->tree = calloc(ROOTS * FACES, sizeof *r->tree);
-    for (int i = 0; r->tree && i < ROOTS * FACES; i++)
-        r->tree[i].root = LEAF;
-    return r->tree != NULL;
+    struct rad_ambread *r = (struct rad_ambread *)g->r;
+    const struct rad_ambread_settling *s = r->settling;
+    size_t i = empty_wasteful(r);
+
+    if (!reserve(g, r->n - i))
+        return;
+    for (; i < r->n; i++) {
+        int tree = tree_of(&r->item[i]);
+
+        if (i >= r->settled || r->tree[tree].n == 0) {
+            struct rad_ambzone zone = s->zone(s->arg, &r->item[i]);
+
+            set_extent(&g->list[g->top++], r, (uint32_t)i, (uint8_t)tree,
+                       &zone);
+        }
+    }
+    qsort(g->list, g->top, sizeof *g->list, compare);
+}
+
+/* Add the new records to their trees, down to pieces. */
+static void
+grow_trees(struct growth *g)
+{
+    struct rad_ambread *r = (struct rad_ambread *)g->r;
+    struct spot whole = { .depth = 0 };
+    size_t all = g->top;
+
+    for (size_t i = 0, end; i < all; i = end) {
+        struct rad_ambread_cell *root = &r->tree[g->list[i].tree];
+
+        for (end = i; end < all && g->list[end].tree == g->list[i].tree;)
+            end++;
+        grow(g, root, i, end - i, (root->n + end - i) * COPIES / PLACES,
+             &whole);
+    }
+}
+
+size_t
+rad_ambread_settle_begin(struct rad_ambread *r, rad_ambread_zone_fn *zone,
+                         const void *arg)
+{
+    struct growth g = { .r = r, .cuts = true };
+
+    if (r->settled == r->n)
+        return 0;
+    if (!r->tree)
+        r->tree = calloc(TREES, sizeof *r->tree);
+    r->settling = calloc(1, sizeof *r->settling);
+    if (!r->tree || !r->settling)
+        return 0;
+    r->settling->zone = zone;
+    r->settling->arg = arg;
+    list_new(&g);
+    r->settling->at_most = g.top / PARTS > LEAST ? g.top / PARTS : LEAST;
+    grow_trees(&g);
+    r->settling->failed = g.failed;
+    free(g.list);
+    return r->settling->n;
+}
+
+void
+rad_ambread_settle_piece(struct rad_ambread *r, size_t piece)
+{
+    struct piece *p = &r->settling->piece[piece];
+    struct growth g = {
+        .r = r, .list = p->list, .top = p->n, .cap = p->n, .failed = p->failed
+    };
+
+    grow(&g, p->cell, 0, p->n, p->most, &p->spot);
+    free(g.list);
+    p->list = NULL;
+    p->failed = g.failed;
+}
+
+void
+rad_ambread_drop_settling(struct rad_ambread *r)
+{
+    struct rad_ambread_settling *s = r->settling;
+
+    for (size_t i = 0; s && i < s->n; i++)
+        free(s->piece[i].list);
+    free(s ? s->piece : NULL);
+    free(s);
+    r->settling = NULL;
 }
 
 bool
-rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
-                   const void *arg)
+rad_ambread_settle_end(struct rad_ambread *r)
 {
-    size_t n[ROOTS * FACES] = { 0 };
-    bool grown[ROOTS * FACES] = { false };
+    struct rad_ambread_settling *s = r->settling;
+    bool failed = !s || s->failed;
     void *less;
 
     if (r->settled == r->n)
         return true;
-    if (!make_forest(r))
+    for (size_t i = 0; s && i < s->n; i++)
+        failed |= s->piece[i].failed;
+    rad_ambread_drop_settling(r);
+    if (failed)
         return false;
-    for (size_t i = 0; i < r->n; i++) {
-        int which = tree_of(&r->item[i]);
-
-        n[which]++;
-        grown[which] |= i >= r->settled;
-    }
-    for (int i = 0; i < ROOTS * FACES; i++)
-        if (grown[i] && !remake(r, i, n[i], zone, arg))
-            return false;
     less = realloc(r->item, r->n * sizeof *r->item);
     r->item = less ? less : r->item;
     r->cap = less ? r->n : r->cap;
@@ -477,4 +592,15 @@ rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
     r->glint_cap = less ? r->nglints + 1 : r->glint_cap;
     r->settled = r->n;
     return true;
+}
+
+bool
+rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
+                   const void *arg)
+{
+    size_t n = rad_ambread_settle_begin(r, zone, arg);
+
+    for (size_t i = 0; i < n; i++)
+        rad_ambread_settle_piece(r, i);
+    return rad_ambread_settle_end(r);
 }
