@@ -8,6 +8,7 @@
 #include "light/sample/disk.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* A glint is brighter than so many times the mean of its hemisphere. */
 #define FAR_ABOVE 3
@@ -23,10 +24,22 @@
  * asked for the record. */
 #define DIM_GLINT (RAD_DIM_AMBIENT + 1)
 
-/* A glint's cell of the grid, and its index. */
-struct where {
-    uint64_t cell;
-    size_t glint;
+#define NONE UINT32_MAX
+
+/* A cell of the grid in which there are glints. */
+struct cell {
+    uint64_t number;        /* grid_cell() */
+    uint32_t glints, first; /* how many, and the index of the first */
+    uint32_t place; /* made of these; NONE: too many cells have more glints */
+};
+
+/* Glints by cells. */
+struct grid {
+    struct cell *cell;    /* in the order of first glints */
+    struct cell **order;  /* those with most glints first */
+    uint32_t n;           /* cells */
+    uint32_t *of;         /* cell of each glint; NONE: it has no light */
+    uint32_t *slot, mask; /* a hash table of cells; NONE: free */
 };
 
 /* Grid cell of a point: its numbers along the axes, 20 bits each.  Cells beyond
@@ -36,7 +49,7 @@ static uint64_t
 grid_cell(const float p[3], const double org[3], double side)
 {
     uint64_t cell = 0;
-    double q[3], most = 1;
+    double q[3], most = 1, across;
     int larger;
 
     for (int k = 0; k < 3; k++) {
@@ -44,99 +57,145 @@ grid_cell(const float p[3], const double org[3], double side)
         most = rad_most(most, fabs(q[k]));
     }
     frexp(most, &larger); /* 1 within the cube and near it */
+    across = ldexp(ACROSS, 1 - larger);
     for (int k = 0; k < 3; k++)
-        cell = cell << 20 |
-               ((uint64_t)(floor(ldexp(q[k], 1 - larger) * ACROSS) + 0x1p19) &
-                0xfffff);
+        cell =
+            cell << 20 | ((uint64_t)(floor(q[k] * across) + 0x1p19) & 0xfffff);
     return cell ^ (uint64_t)larger << 60;
 }
 
-static int
-by_cell(const void *a, const void *b)
+/* Note that glint i is in the cell with that number. */
+static void
+enter(struct grid *g, uint32_t i, uint64_t number)
 {
-    const struct where *x = a, *y = b;
+    uint32_t at = (uint32_t)rad_mix64(number) & g->mask;
 
-    if (x->cell != y->cell)
-        return x->cell < y->cell ? -1 : 1;
-    return x->glint < y->glint ? -1 : x->glint > y->glint;
+    while (g->slot[at] != NONE && g->cell[g->slot[at]].number != number)
+        at = (at + 1) & g->mask;
+    if (g->slot[at] == NONE) {
+        g->slot[at] = g->n;
+        g->cell[g->n++] = (struct cell){ number, 0, i, NONE };
+    }
+    g->of[i] = g->slot[at];
+    g->cell[g->of[i]].glints++;
 }
 
-/* A place, the number of its glints, and the index of the first. */
-struct found {
-    struct rad_bright_place place;
-    size_t glints, first;
-};
-
-/* Orders places by their glints, most first. */
+/* Orders cells by their glints, most first. */
 static int
 by_glints(const void *a, const void *b)
 {
-    const struct found *x = a, *y = b;
+    const struct cell *x = *(struct cell *const *)a;
+    const struct cell *y = *(struct cell *const *)b;
 
     if (x->glints != y->glints)
         return x->glints > y->glints ? -1 : 1;
     return x->first < y->first ? -1 : x->first > y->first;
 }
 
-/* Make the place of n glints, whose indices w[] has.  Its area is that of a
- * disk whose points have the mean squared distance of the glints from their
- * mean. */
 static void
-set_place(struct rad_bright_place *to, const struct rad_glint *glint,
-          const struct where *w, size_t n, double cell)
+grid_release(struct grid *g)
 {
-    double spread = 0;
+    free(g->cell);
+    free(g->order);
+    free(g->of);
+    free(g->slot);
+}
 
-    *to = (struct rad_bright_place){ .lum = 0 };
-    for (size_t i = 0; i < n; i++) {
-        const struct rad_glint *one = &glint[w[i].glint];
+/* Make room for n glints.  False: out of memory. */
+static bool
+grid_init(struct grid *g, size_t n)
+{
+    size_t slots = 1;
 
-        for (int k = 0; k < 3; k++)
-            to->p[k] += (double)one->p[k] / (double)n;
-        to->lum += (double)one->lum / (double)n;
+    while (slots < 2 * n)
+        slots *= 2;
+    g->cell = malloc(n * sizeof *g->cell + 1);
+    g->order = malloc(n * sizeof *g->order + 1);
+    g->of = malloc(n * sizeof *g->of + 1);
+    g->slot = malloc(slots * sizeof *g->slot);
+    g->mask = (uint32_t)(slots - 1);
+    g->n = 0;
+    if (g->cell && g->order && g->of && g->slot) {
+        memset(g->slot, 0xff, slots * sizeof *g->slot);
+        return true;
     }
-    for (size_t i = 0; i < n; i++) {
-        const float *q = glint[w[i].glint].p;
-        double d[3] = { (double)q[0] - to->p[0], (double)q[1] - to->p[1],
-                        (double)q[2] - to->p[2] };
+    grid_release(g);
+    return false;
+}
 
-        spread += rad_dot(d, d) / (double)n;
+/* Give the cells with most glints places, which are empty. */
+static void
+rank(struct grid *g, struct rad_bright *b)
+{
+    for (uint32_t i = 0; i < g->n; i++)
+        g->order[i] = &g->cell[i];
+    qsort(g->order, g->n, sizeof *g->order, by_glints);
+    for (b->n = 0; b->n < g->n && b->n < RAD_BRIGHT_MOST; b->n++) {
+        g->order[b->n]->place = (uint32_t)b->n;
+        b->place[b->n] = (struct rad_bright_place){ .lum = 0 };
     }
-    to->area = rad_most(2 * M_PI * spread, cell * cell / 16);
-    to->reach = to->area + cell * cell / (double)n;
+}
+
+/* The place that glint i belongs to, and its number of glints; NULL: none. */
+static struct rad_bright_place *
+place_of(const struct grid *g, struct rad_bright *b, size_t i, double *n)
+{
+    const struct cell *c;
+
+    if (g->of[i] == NONE || (c = &g->cell[g->of[i]])->place == NONE)
+        return NULL;
+    *n = c->glints;
+    return &b->place[c->place];
+}
+
+/* Make the places of their glints.  The area is that of a disk whose points
+ * have the mean squared distance of the glints from their mean. */
+static void
+set_places(const struct grid *g, struct rad_bright *b,
+           const struct rad_glint *glint, size_t n)
+{
+    struct rad_bright_place *to;
+    double cell2 = b->cell * b->cell, count;
+
+    for (size_t i = 0; i < n; i++)
+        if ((to = place_of(g, b, i, &count))) {
+            for (int k = 0; k < 3; k++)
+                to->p[k] += (double)glint[i].p[k] / count;
+            to->lum += (double)glint[i].lum / count;
+        }
+    for (size_t i = 0; i < n; i++)
+        if ((to = place_of(g, b, i, &count))) {
+            const float *q = glint[i].p;
+            double d[3] = { (double)q[0] - to->p[0], (double)q[1] - to->p[1],
+                            (double)q[2] - to->p[2] };
+
+            to->area += rad_dot(d, d) / count;
+        }
+    for (size_t i = 0; i < b->n; i++) {
+        to = &b->place[i];
+        to->area = rad_most(2 * M_PI * to->area, cell2 / 16);
+        to->reach = to->area + cell2 / g->order[i]->glints;
+    }
 }
 
 bool
 rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint, size_t n,
                   const double org[3], double side)
 {
-    struct where *w = malloc(n * sizeof *w + 1);
-    struct found *found = malloc(n * sizeof *found + 1);
-    double cell = side / ACROSS;
-    size_t there = 0, places = 0, k;
-    bool ok = w && found;
+    struct grid g;
 
-    b->n = 0;
-    b->cell = cell;
-    for (size_t i = 0; ok && i < n; i++)
+    if (!grid_init(&g, n))
+        return false;
+    b->cell = side / ACROSS;
+    for (size_t i = 0; i < n; i++)
         if (glint[i].lum > 0)
-            w[there++] = (struct where){ grid_cell(glint[i].p, org, side), i };
-    if (ok)
-        qsort(w, there, sizeof *w, by_cell);
-    for (size_t i = 0; i < there; i = k, places++) {
-        for (k = i; k < there && w[k].cell == w[i].cell; k++)
-            ;
-        set_place(&found[places].place, glint, &w[i], k - i, cell);
-        found[places].glints = k - i;
-        found[places].first = w[i].glint;
-    }
-    if (ok)
-        qsort(found, places, sizeof *found, by_glints);
-    for (; ok && b->n < places && b->n < RAD_BRIGHT_MOST; b->n++)
-        b->place[b->n] = found[b->n].place;
-    free(w);
-    free(found);
-    return ok;
+            enter(&g, (uint32_t)i, grid_cell(glint[i].p, org, side));
+        else
+            g.of[i] = NONE;
+    rank(&g, b);
+    set_places(&g, b, glint, n);
+    grid_release(&g);
+    return true;
 }
 
 /* The distance at which the glint of cell k is put, over the distance of its
