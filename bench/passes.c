@@ -8,7 +8,9 @@
  * stand there its tiles, its records, those of them that are for deeper levels
  * than the pass, those that another tile of the pass, or the cache, would have
  * served already, the rays of hemispheres, all rays, and seconds of a
- * processor; and in the end how much memory a record takes.  --tiles writes
+ * processor; and in the end how much memory a record takes, and how long all
+ * threads of a worker would be busy from pass to pass: with what one of them
+ * does alone and with pieces that they share.  --tiles writes
  * what each tile of a single picture took, for bench/sim (sim/tiles.h). */
 #include "config.h"
 
@@ -28,6 +30,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Workers of so many threads. */
+static const int team[] = { 4, 16, 64 };
+enum { N_TEAMS = sizeof team / sizeof team[0], MOST_THREADS = 64 };
+
 struct bench {
     struct compiled compiled;
     struct rad_files files;
@@ -39,6 +45,9 @@ struct bench {
     struct rad_ambient *met; /* all records of passes, as of a live cache */
     struct rad_ctx ctx;
     FILE *tiles; /* what each took; NULL: not wanted */
+    double alone, shared; /* seconds of work between passes: of one thread, and
+                           * in pieces */
+    double longest[N_TEAMS]; /* the pieces' part of wall time */
 };
 
 /* Each line is a view. */
@@ -170,6 +179,53 @@ keep(void *arg, const struct rad_ambrec *rec, size_t n)
         r->deeper += rec[i].level > r->level;
 }
 
+/* When n pieces are done, each by the first of so many threads that is free. */
+static double
+share_out(const double *took, size_t n, int threads)
+{
+    double busy[MOST_THREADS] = { 0 }, last = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        int least = 0;
+
+        for (int k = 1; k < threads; k++)
+            least = busy[k] < busy[least] ? k : least;
+        busy[least] += took[i];
+        last = busy[least] > last ? busy[least] : last;
+    }
+    return last;
+}
+
+/* Put the records of a pass into the cache. */
+static void
+settle(struct bench *b, struct records *r)
+{
+    struct rad_ambient *amb = b->job->ambient;
+    double start = now(), pieces = 0, all;
+    double *took;
+    size_t n;
+
+    rad_ambient_insert_all(amb, r->v, r->n);
+    n = rad_ambient_settle_begin(amb);
+    took = calloc(n + 1, sizeof *took);
+    if (!took)
+        die_of("out of memory");
+    for (size_t i = 0; i < n; i++) {
+        took[i] = -now();
+        rad_ambient_settle_piece(amb, i);
+        took[i] += now();
+        pieces += took[i];
+    }
+    if (!rad_ambient_settle_end(amb))
+        die_of("out of memory");
+    all = now() - start;
+    b->alone += all - pieces;
+    b->shared += pieces;
+    for (int i = 0; i < N_TEAMS; i++)
+        b->longest[i] += share_out(took, n, team[i]);
+    free(took);
+}
+
 /* Add them to the cache; returns how many of them one by one it would not have
  * needed. */
 static size_t
@@ -181,9 +237,7 @@ add(struct bench *b, struct records *r)
         needless += rad_ambient_covers(b->met, &r->v[i]);
         rad_ambient_insert(b->met, &r->v[i]);
     }
-    rad_ambient_insert_all(b->job->ambient, r->v, r->n);
-    if (!rad_ambient_settle(b->job->ambient))
-        die_of("out of memory");
+    settle(b, r);
     r->n = 0;
     return needless;
 }
@@ -228,6 +282,7 @@ do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass,
 
     if (rad_passes_begin(p, &b->ctx, pass, NULL) < 0)
         die_of("out of memory");
+    b->alone += now() - start;
     if (b->tiles)
         fprintf(b->tiles, "pass %d %d %" PRIu32 " %.6f\n", pass->level,
                 pass->step, pass->tiles, now() - start);
@@ -279,9 +334,11 @@ fill_and_render(struct bench *b, double *filled, double *rendered)
     for (uint32_t i = 0; i < n; i++) {
         start = now();
         do_pass(b, p, &pass[i], i);
+        b->alone -= now();
         if (rad_pass_is_last(pass, n, i) &&
             !rad_ambient_smooth(b->job->ambient))
             die_of("out of memory");
+        b->alone += now();
         *filled += now() - start;
         for (; done < pass[i].ready; done++)
             *rendered += render(b, &b->frame[done]);
@@ -289,6 +346,16 @@ fill_and_render(struct bench *b, double *filled, double *rendered)
     rad_passes_free(p);
     free(size);
     free(pass);
+}
+
+static void
+tell_between(const struct bench *b)
+{
+    printf("between passes %.3f s, of these %.3f by one thread alone;",
+           b->alone + b->shared, b->alone);
+    for (int i = 0; i < N_TEAMS; i++)
+        printf(" %.3f by %d", b->alone + b->longest[i], team[i]);
+    printf("\n");
 }
 
 static void
@@ -336,6 +403,7 @@ main(int argc, char **argv)
     printf("%.0f bytes a record\n",
            (double)rad_ambient_bytes(b.job->ambient) /
                (double)rad_ambient_count(b.job->ambient));
+    tell_between(&b);
     tell_picture(&b, live, rendered);
     close_job(&b);
     compile_release(&b.compiled);

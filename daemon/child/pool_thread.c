@@ -65,7 +65,7 @@ find_locked(struct pool *p, struct work *w)
     *w = (struct work){ 0 };
     if (p->tiling.passes && (w->at_tile = pool_find_tile_locked(p, &w->tile)))
         return true;
-    if (p->tiling.changing || p->tiling.frozen)
+    if (p->tiling.state != POOL_CACHE_READ || p->tiling.frozen)
         return false; /* the cache changes, and units read it */
     if ((w->estimate = pool_find_estimate_locked(p)))
         w->estimate->members++;

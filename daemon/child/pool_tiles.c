@@ -7,7 +7,8 @@
  * the records into the cache; until then threads go on with tiles of other
  * passes.  Threads at units are waited for, too: between two batches of frames
  * these are units that another worker has finished, which the coordinator takes
- * back. In the same way one thread alone gets a pass ready for its tiles. */
+ * back.  The records are settled in pieces, by all threads.  One thread alone
+ * gets a pass ready for its tiles. */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -118,7 +119,7 @@ make_tile(struct renderer *by, struct pool_tile *t)
 static void
 end_change_and_unlock(struct pool *p)
 {
-    p->tiling.changing = false;
+    p->tiling.state = POOL_CACHE_READ;
     uv_cond_broadcast(&p->work);
     uv_mutex_unlock(&p->mu);
 }
@@ -169,24 +170,6 @@ drop_tiles_locked(struct pool_tiling *k)
         }
 }
 
-/* Put the records of the first open pass into the cache; false: they do not
- * fit, or memory is out. */
-static bool
-add_records(const struct pool *p, const struct pool_frozen *f)
-{
-    const struct pool_tiling *k = &p->tiling;
-    const struct rad_pass *pass = &k->plan[k->open];
-    struct rad_ambient *amb = p->job->ambient;
-    size_t before = rad_ambient_count(amb);
-
-    if (f->spot && !rad_passes_place(k->passes, pass, f->spot))
-        return false;
-    rad_ambient_insert_all(amb, f->rec, f->n);
-    return rad_ambient_settle(amb) && rad_ambient_count(amb) == before + f->n &&
-           (!rad_pass_is_last(k->plan, k->npasses, k->open) ||
-            rad_ambient_smooth(amb));
-}
-
 static void
 free_frozen(struct pool_frozen *f)
 {
@@ -204,14 +187,17 @@ show_pictures(struct pool *p, struct pool_frozen *f)
     end_change_and_unlock(p);
 }
 
-/* Put a closed pass into the cache, by one thread while none is at a tile. */
+/* The records of a pass are settled, or could not be added: end the change. */
 static void
-close_pass(struct renderer *by, struct pool_frozen *f)
+end_pass(struct pool *p, struct pool_frozen *f, bool added)
 {
-    struct pool *p = by->pool;
     struct pool_tiling *k = &p->tiling;
-    bool added = add_records(p, f);
+    struct rad_ambient *amb = p->job->ambient;
 
+    added = added && rad_ambient_settle_end(amb) &&
+            (!rad_pass_is_last(k->plan, k->npasses, k->open) ||
+             rad_ambient_smooth(amb));
+    free_frozen(f);
     uv_mutex_lock(&p->mu);
     if (!added)
         rad_fail(&k->err, RAD_ENOMEM,
@@ -222,10 +208,67 @@ close_pass(struct renderer *by, struct pool_frozen *f)
     if (k->err.code)
         wake_send(&p->wake);
     end_change_and_unlock(p);
-    free_frozen(f);
+}
+
+/* Settle a piece; the thread that makes the last one ends the pass. */
+static void
+settle_piece(struct pool *p, size_t piece)
+{
+    struct pool_tiling *k = &p->tiling;
+    struct pool_frozen *f = NULL;
+
+    rad_ambient_settle_piece(p->job->ambient, piece);
+    uv_mutex_lock(&p->mu);
+    if (--k->members == 0 && k->piece == k->pieces) {
+        f = k->settled;
+        k->settled = NULL;
+        k->state = POOL_CACHE_CHANGED;
+    }
+    uv_mutex_unlock(&p->mu);
+    if (f)
+        end_pass(p, f, true);
+}
+
+/* Put a closed pass into the cache, while no thread is at a tile. */
+static void
+close_pass(struct pool *p, struct pool_frozen *f)
+{
+    struct pool_tiling *k = &p->tiling;
+    struct rad_ambient *amb = p->job->ambient;
+    size_t all = rad_ambient_count(amb) + f->n, pieces = 0;
+    bool added =
+        !f->spot || rad_passes_place(k->passes, &k->plan[k->open], f->spot);
+
+    if (added) {
+        rad_ambient_insert_all(amb, f->rec, f->n);
+        added = rad_ambient_count(amb) == all;
+        pieces = added ? rad_ambient_settle_begin(amb) : 0;
+    }
+    if (pieces == 0) {
+        end_pass(p, f, added);
+        return;
+    }
+    uv_mutex_lock(&p->mu);
+    k->settled = f;
+    k->piece = 0;
+    k->pieces = pieces;
+    k->state = POOL_CACHE_SHARED;
+    uv_cond_broadcast(&p->work);
+    uv_mutex_unlock(&p->mu);
 }
 
 /* --- the threads' work --- */
+
+/* The next piece; false: all are made, or being made. */
+static bool
+find_piece_locked(struct pool_tiling *k, struct pool_tile_work *w)
+{
+    if (k->piece == k->pieces)
+        return false;
+    w->piece = k->piece++;
+    k->members++;
+    return true;
+}
 
 /* The first listed tile for which the cache has all that it reads; none if a
  * pass waits for the cache and no thread is at a tile, for the pass comes
@@ -241,7 +284,7 @@ find_todo_locked(struct pool_tiling *k, struct pool_tile_work *w)
         return false;
     if (k->begun[t->pass % MSG_OPEN_PASSES] != t->pass + 1) {
         w->begins = &k->plan[t->pass];
-        k->changing = true;
+        k->state = POOL_CACHE_CHANGED;
         return true;
     }
     t->behind = k->open - k->plan[t->pass].reads;
@@ -257,8 +300,10 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
     struct pool_tiling *k = &p->tiling;
 
     *w = (struct pool_tile_work){ 0 };
-    if (k->changing || k->err.code)
+    if (k->err.code || k->state == POOL_CACHE_CHANGED)
         return false;
+    if (k->state == POOL_CACHE_SHARED)
+        return find_piece_locked(k, w);
     if (!k->frozen || k->members > 0 || p->active ||
         pool_is_estimating_locked(p))
         return find_todo_locked(k, w);
@@ -266,7 +311,7 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
     k->frozen = k->frozen->next;
     if (!k->frozen)
         k->frozen_end = &k->frozen;
-    k->changing = true;
+    k->state = POOL_CACHE_CHANGED;
     return true;
 }
 
@@ -276,11 +321,13 @@ pool_work_on_tile(struct renderer *by, const struct pool_tile_work *w)
     if (w->frozen && w->frozen->job)
         show_pictures(by->pool, w->frozen);
     else if (w->frozen)
-        close_pass(by, w->frozen);
+        close_pass(by->pool, w->frozen);
     else if (w->begins)
         begin_pass(by, w->begins);
-    else
+    else if (w->tile)
         make_tile(by, w->tile);
+    else
+        settle_piece(by->pool, w->piece);
 }
 
 /* --- calls of the loop --- */
@@ -403,6 +450,8 @@ pool_release_tiles(struct pool *p)
 
     free_tiles(k->todo);
     free_tiles(k->made);
+    if (k->settled)
+        free_frozen(k->settled);
     while (k->frozen) {
         struct pool_frozen *f = k->frozen;
 

@@ -22,7 +22,17 @@ struct pool_frozen {
 };
 
 /* Tiles are made, and the cache changes, outside of the lock: `members' and
- * `changing' keep the two apart. */
+ * `state' keep the two apart.
+ *
+ *   READ --> CHANGED --> READ     a pass is begun, or pictures are shown
+ *   READ --> CHANGED --> SHARED --> CHANGED --> READ     a pass is closed: its
+ *            records are added, settled in pieces, and taken as settled */
+enum pool_cache {
+    POOL_CACHE_READ,    /* threads may be at tiles and units */
+    POOL_CACHE_CHANGED, /* by one thread */
+    POOL_CACHE_SHARED   /* settled by all threads, a piece each at a time */
+};
+
 struct pool_tiling {
     struct rad_passes *passes;   /* [mu] NULL: the cache has no passes */
     const struct rad_pass *plan; /* [mu] */
@@ -33,8 +43,10 @@ struct pool_tiling {
                                   * the cache yet are in `frozen' */
     uint32_t begun[MSG_OPEN_PASSES]; /* [mu] by pass number modulo: 1 + number
                                       * of the pass that was begun last */
-    bool changing; /* [mu] one thread begins or closes a pass */
-    int members;   /* [mu] threads at tiles */
+    enum pool_cache state;           /* [mu] */
+    int members;                     /* [mu] threads at tiles, or at pieces */
+    struct pool_frozen *settled;     /* [mu] while SHARED: the pass; */
+    size_t piece, pieces; /* the next of its pieces, and their number */
     _Atomic bool stop[MSG_OPEN_PASSES]; /* end tiles of that pass; written with
                                          * mu held, read anywhere */
     struct pool_tile *todo, **todo_end; /* [mu] */
@@ -45,11 +57,13 @@ struct pool_tiling {
     struct rad_error err;                     /* [mu] the job cannot go on */
 };
 
-/* A thread's work on the passes: one of these is set. */
+/* A thread's work on the passes: one of the pointers is set, or none for a
+ * piece. */
 struct pool_tile_work {
     struct pool_frozen *frozen;    /* close this pass, or show */
     struct pool_tile *tile;        /* make this tile */
     const struct rad_pass *begins; /* get this pass ready for its tiles */
+    size_t piece;                  /* settle this piece */
 };
 
 /* Find work on the passes; false: there is none now. */

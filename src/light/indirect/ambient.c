@@ -261,22 +261,46 @@ gather_bright(struct rad_ambient *amb, struct rad_bright *bright)
     return ok;
 }
 
-bool
-rad_ambient_settle(struct rad_ambient *amb)
+size_t
+rad_ambient_settle_begin(struct rad_ambient *amb)
 {
     struct rad_ambview *now = amb->view;
 
     if (!amb->frozen)
-        return true;
+        return 0;
     memmove(now + 1, now, (RAD_AMBIENT_VIEWS - 1) * sizeof *now);
     if (now->n == amb->read.n)
-        return true;
+        return 0;
     now->n = amb->read.n;
     now->log_sum = atomic_load_explicit(&amb->log_sum, memory_order_relaxed);
     now->log_count =
         atomic_load_explicit(&amb->log_count, memory_order_relaxed);
-    return rad_ambread_settle(&amb->read, zone_in, amb) &&
-           gather_bright(amb, &now->bright);
+    return 1 + rad_ambread_settle_begin(&amb->read, zone_in, amb);
+}
+
+void
+rad_ambient_settle_piece(struct rad_ambient *amb, size_t piece)
+{
+    if (piece > 0)
+        rad_ambread_settle_piece(&amb->read, piece - 1);
+    else
+        amb->blind = !gather_bright(amb, &amb->view[0].bright);
+}
+
+bool
+rad_ambient_settle_end(struct rad_ambient *amb)
+{
+    return rad_ambread_settle_end(&amb->read) && !amb->blind;
+}
+
+bool
+rad_ambient_settle(struct rad_ambient *amb)
+{
+    size_t n = rad_ambient_settle_begin(amb);
+
+    for (size_t i = 0; i < n; i++)
+        rad_ambient_settle_piece(amb, i);
+    return rad_ambient_settle_end(amb);
 }
 
 const struct rad_ambview *

@@ -38,6 +38,14 @@ void rad_ambient_freeze(struct rad_ambient *amb);
  * cache.  False: out of memory; the cache must not be read then. */
 bool rad_ambient_settle(struct rad_ambient *amb);
 
+/* The same for several threads: begin, which returns a number of pieces; make
+ * each of these once; end, with the result of rad_ambient_settle().  The trees
+ * are the same, whoever makes which piece and when.
+ * Thread: one begins, and one ends; any number make pieces. */
+size_t rad_ambient_settle_begin(struct rad_ambient *amb);
+void rad_ambient_settle_piece(struct rad_ambient *amb, size_t piece);
+bool rad_ambient_settle_end(struct rad_ambient *amb);
+
 /* The state of a frozen cache before the last `behind` calls of
  * rad_ambient_settle(), with behind < RAD_AMBIENT_VIEWS: a tile (ambtile.h)
  * sees the records of one such state alone. */

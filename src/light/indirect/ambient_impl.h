@@ -51,6 +51,7 @@ struct rad_ambient {
     struct rad_ambscale scale;   /* [fixed] */
     struct rad_ambview view[RAD_AMBIENT_VIEWS]; /* of `read`, newest first */
     bool frozen; /* [fixed] once there are records */
+    bool blind;  /* memory was out for the bright places of the newest view */
     /* [fixed] by level, for rays of the weight that is usual there */
     struct rad_ambterms usual[RAD_AMBIENT_USUAL];
     _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */

@@ -678,7 +678,7 @@ work_off_tiles(struct pool *p)
     int tiles = 0;
 
     while (pool_find_tile_locked(p, &w)) {
-        k->changing = false;
+        k->state = POOL_CACHE_READ;
         if (w.frozen) {
             atomic_store(&k->stop[k->open++ % MSG_OPEN_PASSES], false);
             free(w.frozen);
@@ -741,6 +741,31 @@ TEST(no_tile_of_a_closed_pass_is_made)
     ck_assert(pool_freeze(p, NULL, 0, NULL));
     ck_assert(pool_push_tile(p, 6, 0, false));
     ck_assert_int_eq(work_off_tiles(p), 3);
+    free_tiling_pool(p);
+}
+
+/* Pieces are given to one thread each, and no tile while one is made. */
+TEST(threads_share_the_settling_of_a_pass_before_they_make_tiles)
+{
+    struct rad_pass plan[8];
+    struct pool *p = tiling_pool(plan);
+    struct pool_tiling *k = &p->tiling;
+    struct pool_tile_work w;
+
+    ck_assert(pool_push_tile(p, 5, 0, false));
+    k->state = POOL_CACHE_SHARED;
+    k->pieces = 3;
+    for (size_t i = 0; i < 3; i++) {
+        ck_assert(pool_find_tile_locked(p, &w));
+        ck_assert(!w.tile && !w.begins && !w.frozen);
+        ck_assert_uint_eq(w.piece, i);
+    }
+    ck_assert_int_eq(k->members, 3);
+    ck_assert(!pool_find_tile_locked(p, &w));
+    k->members = 0;
+    ck_assert_int_eq(work_off_tiles(p), 0);
+    k->state = POOL_CACHE_READ;
+    ck_assert_int_eq(work_off_tiles(p), 1);
     free_tiling_pool(p);
 }
 
