@@ -49,15 +49,17 @@ static uint64_t
 grid_cell(const float p[3], const double org[3], double side)
 {
     uint64_t cell = 0;
-    double q[3], most = 1, across;
-    int larger;
+    double q[3], most = 1, across = ACROSS;
+    int larger = 1;
 
     for (int k = 0; k < 3; k++) {
         q[k] = ((double)p[k] - org[k]) / side - .5;
         most = rad_most(most, fabs(q[k]));
     }
-    frexp(most, &larger); /* 1 within the cube and near it */
-    across = ldexp(ACROSS, 1 - larger);
+    if (most > 1) { /* it is beyond the cube, and not near it */
+        frexp(most, &larger);
+        across = ldexp(ACROSS, 1 - larger);
+    }
     for (int k = 0; k < 3; k++)
         cell =
             cell << 20 | ((uint64_t)(floor(q[k] * across) + 0x1p19) & 0xfffff);
