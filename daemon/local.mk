@@ -24,6 +24,7 @@ include daemon/journal/local.mk
 include daemon/worker/local.mk
 include daemon/radd/local.mk
 include daemon/child/local.mk
+include daemon/pool/local.mk
 include daemon/team/local.mk
 include daemon/strict/local.mk
 include daemon/web/local.mk

@@ -1,17 +1,5 @@
-# the process that renders a job: its loop and its threads
+# the process that renders a job: its loop
 libdaemon_a_SOURCES += \
-	daemon/child/estimate.c \
-	daemon/child/estimate.h \
-	daemon/child/pool.c \
-	daemon/child/pool.h \
-	daemon/child/pool_clock.c \
-	daemon/child/pool_estimate.c \
-	daemon/child/pool_impl.h \
-	daemon/child/pool_strict.c \
-	daemon/child/pool_thread.c \
-	daemon/child/pool_tiles.c \
-	daemon/child/pool_tiles.h \
-	daemon/child/pool_unit.c \
 	daemon/child/render.c \
 	daemon/child/render.h \
 	daemon/child/render_impl.h \
@@ -22,6 +10,4 @@ libdaemon_a_SOURCES += \
 	daemon/child/render_tell.c \
 	daemon/child/render_units.c \
 	daemon/child/sandbox.c \
-	daemon/child/sandbox.h \
-	daemon/child/wake.c \
-	daemon/child/wake.h
+	daemon/child/sandbox.h

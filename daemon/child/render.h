@@ -1,4 +1,5 @@
-/* render.h - the main function of a job's child: threads render, a loop talks
+/* render.h - the main function of a job's child: its loop talks, and threads
+ * render (pool/pool.h)
  *
  * radd starts it in a process of its own, with one end of a socket pair, the
  * link, as descriptor RENDER_LINK_FD.  On the link go the messages that

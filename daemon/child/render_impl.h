@@ -13,7 +13,7 @@
 
 #include "proto/ambshare.h"
 #include "net/conn.h"
-#include "child/pool.h"
+#include "pool/pool.h"
 
 #include <uv.h>
 

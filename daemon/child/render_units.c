@@ -6,7 +6,7 @@
 
 #include "child/render_impl.h"
 
-#include "child/estimate.h"
+#include "pool/estimate.h"
 #include "net/log.h"
 
 /* Most bytes of a row in a message: as a base line with its densities, or as

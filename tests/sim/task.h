@@ -3,7 +3,7 @@
  *
  * The team's only member is a fibre.  Where work is to take virtual time, a
  * callback of the team yields, and messages may come until the fibre runs on.
- * What is done at each step is what the real pool does (daemon/child/pool*.c).
+ * What is done at each step is what the real pool does (daemon/pool/pool*.c).
  * Thread: one. */
 #ifndef SIM_TASK_H
 #define SIM_TASK_H

@@ -35,7 +35,7 @@ tests/tools/disaster.so: $(top_srcdir)/tests/tools/disaster.c config.h
 		-shared -fPIC -o $@ $(top_srcdir)/tests/tools/disaster.c
 
 # radd with the hooks of tests/tools/hook.h: not to be installed
-tests_tools_radd_hooked_SOURCES = $(radd_SOURCES) daemon/child/pool_unit.c \
+tests_tools_radd_hooked_SOURCES = $(radd_SOURCES) daemon/pool/pool_unit.c \
 	tests/tools/hook.c tests/tools/hook.h
 tests_tools_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_tools_radd_hooked_CFLAGS = $(radd_CFLAGS)

@@ -4,7 +4,7 @@
 #include "machine/fingerprint.h"
 #include "machine/jobtext.h"
 #include "light/indirect/ambient.h"
-#include "child/pool_impl.h"
+#include "pool/pool_impl.h"
 #include "team/team.h"
 
 #include "pool_fixture.h"

@@ -18,6 +18,6 @@ noinst_HEADERS += \
 	tests/daemon/child/team_fixture.h
 
 tests_daemon_child_check_pool_SOURCES = \
-	daemon/child/pool_unit.c \
+	daemon/pool/pool_unit.c \
 	tests/daemon/child/check_pool.c
 tests_daemon_child_check_pool_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_TEST_HOOKS

@@ -4,7 +4,7 @@
 #ifndef RADD_TESTS_POOL_FIXTURE_H
 #define RADD_TESTS_POOL_FIXTURE_H
 
-#include "child/pool.h"
+#include "pool/pool.h"
 #include "tests/world_picture.h"
 
 static struct {

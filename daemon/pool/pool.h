@@ -12,7 +12,7 @@
 #ifndef RADD_DAEMON_POOL_H
 #define RADD_DAEMON_POOL_H
 
-#include "child/estimate.h"
+#include "pool/estimate.h"
 #include "passes/passes.h"
 #include "strict/strict.h"
 

@@ -4,7 +4,7 @@
  * all members. */
 #include "config.h"
 
-#include "child/pool_impl.h"
+#include "pool/pool_impl.h"
 #include "machine/counted.h"
 #include "machine/sums.h"
 #include "picture/doubt.h"
@@ -395,8 +395,8 @@ pool_unit_begin(struct pool *p, struct queued *window, struct strict_pass *pass)
     if (atomic_load(&p->stopping))
         team_stop(u->team);
     if (u->pass) {
-        pool_look_locked(p);      /* SPLIT or a stop may have come meanwhile */
-        wake_send(&p->wake);      /* its bottom may be wanted: send messages */
+        pool_look_locked(p); /* SPLIT or a stop may have come meanwhile */
+        wake_send(&p->wake); /* its bottom may be wanted: send messages */
     }
     if (!p->todo)
         uv_cond_broadcast(&p->work); /* idle threads can help */

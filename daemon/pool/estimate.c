@@ -1,7 +1,7 @@
 /* estimate.c - see estimate.h */
 #include "config.h"
 
-#include "child/estimate.h"
+#include "pool/estimate.h"
 
 #include "light/indirect/ambient.h"
 #include "machine/counted.h"

@@ -13,9 +13,9 @@
 #ifndef DAEMON_POOL_IMPL_H
 #define DAEMON_POOL_IMPL_H
 
-#include "child/pool.h"
-#include "child/pool_tiles.h"
-#include "child/wake.h"
+#include "pool/pool.h"
+#include "pool/pool_tiles.h"
+#include "pool/wake.h"
 #include "team/team.h"
 
 #include <stdatomic.h>

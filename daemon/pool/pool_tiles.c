@@ -11,7 +11,7 @@
  * gets a pass ready for its tiles. */
 #include "config.h"
 
-#include "child/pool_impl.h"
+#include "pool/pool_impl.h"
 #include "light/indirect/ambient.h"
 #include "machine/counted.h"
 #include "machine/spots.h"

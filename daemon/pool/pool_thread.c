@@ -10,7 +10,7 @@
  * workers may wait for its result. */
 #include "config.h"
 
-#include "child/pool_impl.h"
+#include "pool/pool_impl.h"
 
 /* A thread's next work: one of these is set. */
 struct work {

@@ -4,7 +4,7 @@
 #ifndef DAEMON_POOL_TILES_H
 #define DAEMON_POOL_TILES_H
 
-#include "child/pool.h"
+#include "pool/pool.h"
 
 #include <stdatomic.h>
 

@@ -1,7 +1,7 @@
 /* pool.c - see pool.h; files as in pool_impl.h */
 #include "config.h"
 
-#include "child/pool_impl.h"
+#include "pool/pool_impl.h"
 
 #include "net/log.h"
 

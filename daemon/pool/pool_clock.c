@@ -1,7 +1,7 @@
 /* pool_clock.c - elapsed time and processor time of threads */
 #include "config.h"
 
-#include "child/pool_impl.h"
+#include "pool/pool_impl.h"
 
 double
 pool_seconds(clockid_t clock)

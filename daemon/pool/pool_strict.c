@@ -4,7 +4,7 @@
  * looked at, under the pool's lock. */
 #include "config.h"
 
-#include "child/pool_impl.h"
+#include "pool/pool_impl.h"
 
 void
 pool_settle_waits_locked(struct pool *p)

@@ -1,7 +1,7 @@
 /* wake.c - see wake.h */
 #include "config.h"
 
-#include "child/wake.h"
+#include "pool/wake.h"
 
 #include <errno.h>
 #include <sys/eventfd.h>

@@ -1,7 +1,7 @@
 /* pool_estimate.c - estimates in the pool: threads work on them before units */
 #include "config.h"
 
-#include "child/pool_impl.h"
+#include "pool/pool_impl.h"
 
 #include <stdlib.h>
 
