@@ -87,6 +87,8 @@ bench_sim_sim_SOURCES = \
 	tests/sim/task.c \
 	tests/sim/task.h
 bench_sim_sim_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
+bench_sim_sim_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=uv_cond_wait \
+	-Wl,--wrap=uv_cond_signal -Wl,--wrap=uv_cond_broadcast
 bench_sim_sim_LDADD = $(LIBDAEMON) $(LIBCLIENT) $(LIBRAD)
 SIM_FLAGS =
 bench-sim: bench/sim/sim$(EXEEXT)

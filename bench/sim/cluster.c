@@ -543,7 +543,7 @@ make_hosts(struct cluster *c)
             speed /= s->slow;
 
         host_init(c, host_at(c, i), i, speed / ((1 + s->uneven) / 2));
-        c->out->speed += speed / ((1 + s->uneven) / 2);
+        c->out->speed += s->threads * speed / ((1 + s->uneven) / 2);
     }
 }
 
@@ -581,6 +581,7 @@ cluster_run(const struct cluster_spec *s, struct cluster_result *out)
                              .epoch = 1 };
 
     memset(out, 0, sizeof *out);
+    out->threads = s->hosts * s->threads;
     c.coord = coord_new(&env);
     make_hosts(&c);
     out->work = s->map->total * (1 + s->growth * log2(s->hosts));

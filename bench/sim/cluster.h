@@ -21,9 +21,11 @@ struct cluster_spec {
     const struct map *map;     /* of the picture */
     const struct tiles *tiles; /* of the passes before it; NULL: none */
     int hosts;
+    int threads;       /* of each host */
     double uneven;     /* the fastest host's speed over the slowest's; speeds
                         * lie evenly between, and their mean is 1 */
-    double slow;       /* the last host is so many times slower still */
+    double slow;       /* the last host is so many times slower still; speeds
+                        * are those of each of a host's threads */
     double latency_us; /* one way */
     double bandwidth;  /* bytes a second of each link, and the coordinator's
                         * for all together each way */
@@ -44,16 +46,18 @@ struct cluster_spec {
     bool verbose;
 };
 
-/* What a host does, or does not. */
+/* What a host's thread does, or does not. */
 enum host_state {
     HOST_LOADS,   /* the scene, or it has not heard of the job */
     HOST_TRUTH,   /* traces under a true top, or windows */
     HOST_AHEAD,   /* traces ahead */
     HOST_WAITS,   /* has nothing but units that wait for a base line */
+    HOST_BELOW,   /* waits for another thread, on the line above */
     HOST_EMPTY,   /* has no unit */
     HOST_TILES,   /* makes tiles */
     HOST_WALKS,   /* finds the paths of a pass */
     HOST_INSERTS, /* puts records of a closed pass into its cache */
+    HOST_CHANGES, /* waits while the cache changes, or is about to */
     HOST_BARRIER, /* has no tile, and others are at theirs */
     HOST_RECORDS, /* waits for the records of a pass that is closed */
     HOST_STATES
@@ -66,11 +70,13 @@ struct cluster_result {
     bool done;
     char text[MSG_MAX_TEXT + 1]; /* why not */
     double seconds;              /* from submitting the job to its end */
-    double busy_s;               /* of all hosts, tracing */
-    double wait_s;               /* the longest that a host had nothing but to
-                                  * wait for base lines */
+    double busy_s;               /* of all threads, tracing */
+    double wait_s;               /* the longest that a host's threads had
+                                  * nothing but to wait for base lines, in the
+                                  * mean */
     uint64_t traced;             /* pixels of lines; half of them are wanted */
-    double speed;                /* of all hosts */
+    int threads;                 /* of all hosts, */
+    double speed;                /* and of all these */
     double work;                 /* seconds of one host of speed 1 */
     double coord_s; /* processor time that coord.c really took here */
     double twice_s; /* of tiles that were made twice, or stopped */
@@ -78,7 +84,7 @@ struct cluster_result {
     /* TILE_RECORDS of the coordinator and of hosts; FROZEN; TILE_MADE */
     uint64_t records_bytes, peer_bytes, frozen_bytes, tile_bytes;
     uint64_t bytes, messages, base_line_bytes, units, failed;
-    double state_s[CLUSTER_SLICES][HOST_STATES]; /* of all hosts */
+    double state_s[CLUSTER_SLICES][HOST_STATES]; /* of all threads */
 };
 
 /* Run it; RAD_EUSAGE for what the coordinator refuses, said in text as well. */
@@ -108,6 +114,7 @@ struct cluster {
     bool over;
     uint32_t passes;                     /* that are closed */
     uint64_t closed_us[RAD_MOST_PASSES]; /* when it was; 0: it is open */
+    uint32_t nrecords[RAD_MOST_PASSES];  /* that it has then */
     uint8_t *made[RAD_MOST_PASSES];      /* which tiles are */
     struct msg msg;
 };

@@ -1,8 +1,8 @@
 /* host.c - see host.h
  *
- * What comes in to its child, what that does next, and what goes out.  The
- * child has one team, as fast as the host, which does one thing after the
- * other: a pass of strict units, an estimate, a window.  */
+ * What comes in to its child, what its threads do next, and what goes out.  A
+ * thread takes its next work as one of the real pool does (pool_thread.c): a
+ * tile, an estimate or a window, a pass of strict units, which others join. */
 #include "config.h"
 
 #include "host_impl.h"
@@ -75,12 +75,32 @@ host_seconds(const struct host *h, double cost)
 }
 
 void
-host_spend(struct host *h, double seconds,
+host_spend(struct host_thread *t, double seconds,
            void (*fn)(void *arg, struct event *e))
 {
-    h->busy_s += seconds;
-    h->working = true;
-    host_later(h, 1e6 * seconds, fn);
+    struct host *h = t->host;
+    struct event e = { .at = h->cluster->now_us + (uint64_t)ceil(1e6 * seconds),
+                       .fn = fn,
+                       .node = h->number,
+                       .n = h->life,
+                       .k = (int)(t - h->thread),
+                       .len = ++t->step };
+
+    t->working = true;
+    events_add(&h->cluster->events, &e);
+}
+
+struct host_thread *
+host_rests(void *arg, const struct event *e)
+{
+    struct host *h = host_alive(arg, e);
+    struct host_thread *t = h ? &h->thread[e->k] : NULL;
+
+    if (!t || t->step != e->len)
+        return NULL;
+    host_time_note(t);
+    t->working = false;
+    return t;
 }
 
 static void
@@ -99,18 +119,33 @@ take_unit(struct host *h, const struct msg_unit *u)
     h->lines = true;
 }
 
+/* Let a thread that does nothing go on; false: it has to wait. */
+static bool
+go_on(struct host_thread *t)
+{
+    if (t->working || t->waits)
+        return false;
+    if (t->pass) {
+        host_pass_trace(t);
+        return true;
+    }
+    if (host_tiles_begin(t))
+        return true;
+    return !host_tiles_change(t->host) &&
+           (host_errand_begin(t) || host_pass_begin(t));
+}
+
+/* Threads may give each other work. */
 static void
 work(struct host *h)
 {
-    while (!h->working) {
-        if (host_tiles_begin(h)) {
-            return;
-        } else if (h->task.team) {
-            if (host_pass_trace(h))
-                return;
-        } else if (!host_errand_begin(h) && !host_pass_begin(h)) {
-            return;
-        }
+    bool went = true;
+
+    while (went) {
+        went = false;
+        for (int i = 0; i < h->cluster->spec->threads; i++)
+            while (go_on(&h->thread[i]))
+                went = true;
     }
 }
 
@@ -140,13 +175,12 @@ tick(void *arg, struct event *e)
 void
 host_go_on(struct host *h)
 {
-    task_look(&h->task, h->strict);
-    task_look(&h->task, h->strict);
+    host_pass_look(h);
+    host_pass_look(h);
     work(h);
     host_flush(h);
     host_time_wait(h);
-    if (host_time_state(h) != h->state)
-        host_time_note(h, host_time_state(h));
+    host_time_look(h);
     if (!h->ticking && h->lines) {
         h->ticking = true;
         host_later(h, TICK_US, tick);
@@ -161,11 +195,12 @@ ready(void *arg, struct event *e)
 
     if (!h)
         return;
-    m.ready = (struct msg_ready){ h->cluster->job,
-                                  1e-6 * h->cluster->spec->load_us, 42, 1, 0 };
+    m.ready =
+        (struct msg_ready){ h->cluster->job, 1e-6 * h->cluster->spec->load_us,
+                            42, (uint16_t)h->cluster->spec->threads, 0 };
     host_say(h, &m);
     h->ready = true;
-    host_time_note(h, HOST_EMPTY);
+    host_time_look(h);
 }
 
 static void
@@ -208,17 +243,19 @@ host_child_message(struct host *h, const struct msg *m)
 void
 host_child_over(struct host *h)
 {
+    host_time_look(h);
     h->life++;
     h->ready = false;
-    host_time_note(h, HOST_LOADS);
-    task_drop(&h->task, h->strict);
-    h->owed = 0;
+    host_passes_drop(h);
     strict_free(h->strict);
     h->strict = NULL;
     host_tiles_forget(h);
     host_errands_forget(h);
-    h->lines = h->working = h->ticking = false;
-    h->idle_us = 0;
+    for (int i = 0; i < h->cluster->spec->threads; i++)
+        h->thread[i].working = false;
+    host_time_look(h);
+    h->lines = h->ticking = false;
+    h->idle = 0;
 }
 
 static void
@@ -245,8 +282,13 @@ host_init(struct cluster *c, struct host *h, int number, double speed)
 
     h->cluster = c;
     h->number = number;
-    h->at_tiles = HOST_STATES;
     h->speed = speed;
+    h->thread = sim_alloc((size_t)c->spec->threads * sizeof *h->thread);
+    h->tile =
+        sim_alloc((size_t)c->spec->threads * HOST_MOST_TILES * sizeof *h->tile);
+    for (int i = 0; i < c->spec->threads; i++)
+        h->thread[i] =
+            (struct host_thread){ .host = h, .at_tiles = HOST_STATES };
     snprintf(h->name, sizeof h->name, "w%d", number);
     snprintf(h->address, sizeof h->address, "sim %d", number);
     h->frames = sim_alloc(m->nframes * sizeof *h->frames);
@@ -260,6 +302,8 @@ host_release(struct host *h)
 {
     host_child_over(h);
     host_radd_release(h);
+    free(h->thread);
+    free(h->tile);
     free(h->frames);
     free(h->code);
 }

@@ -1,6 +1,7 @@
-/* host_errand.c - windows and estimates, done one after the other
+/* host_errand.c - windows and estimates, each by one thread
  *
- * What each takes is known when it comes. */
+ * What each takes is known when it comes.  In a real child idle threads join
+ * those at the last window, and at an estimate. */
 #include "config.h"
 
 #include "host_impl.h"
@@ -29,13 +30,21 @@ add(struct host *h)
     return *at = sim_alloc(sizeof **at);
 }
 
-static void
-drop(struct errand **at)
+static struct errand *
+take_first(struct host *h)
 {
-    struct errand *d = *at;
+    struct errand *d = h->errands;
 
-    *at = d->next;
-    free(d->costs);
+    if (d)
+        h->errands = d->next;
+    return d;
+}
+
+static void
+drop(struct errand *d)
+{
+    if (d)
+        free(d->costs);
     free(d);
 }
 
@@ -67,26 +76,29 @@ send_window(struct host *h, const struct errand *d)
 static void
 done(void *arg, struct event *e)
 {
-    struct host *h = host_alive(arg, e);
+    struct host_thread *t = host_rests(arg, e);
+    struct errand *d;
 
-    if (!h)
+    if (!t)
         return;
-    h->working = h->at_errand = false;
-    if (h->errands->costs)
-        send_costs(h, h->errands);
+    d = t->errand;
+    t->errand = NULL;
+    if (d->costs)
+        send_costs(t->host, d);
     else
-        send_window(h, h->errands);
-    drop(&h->errands);
-    host_go_on(h);
+        send_window(t->host, d);
+    drop(d);
+    host_go_on(t->host);
 }
 
 bool
-host_errand_begin(struct host *h)
+host_errand_begin(struct host_thread *t)
 {
-    if (!h->errands)
+    t->errand = take_first(t->host);
+    if (!t->errand)
         return false;
-    h->at_errand = true;
-    host_spend(h, h->errands->seconds, done);
+    t->host->busy_s += t->errand->seconds;
+    host_spend(t, t->errand->seconds, done);
     return true;
 }
 
@@ -147,14 +159,13 @@ host_errand_estimate(struct host *h, const struct msg_estimate *m)
 void
 host_errand_revoke(struct host *h, const struct msg_attempt *r)
 {
-    struct errand **at = &h->errands;
+    struct errand **at = &h->errands, *d;
 
-    if (h->at_errand)
-        at = &(*at)->next; /* the first is under way */
-    for (; *at; at = &(*at)->next)
-        if (!(*at)->costs && (*at)->window.unit == r->unit &&
-            (*at)->window.attempt == r->attempt) {
-            drop(at);
+    for (; (d = *at); at = &d->next)
+        if (!d->costs && d->window.unit == r->unit &&
+            d->window.attempt == r->attempt) {
+            *at = d->next;
+            drop(d);
             return;
         }
 }
@@ -163,6 +174,9 @@ void
 host_errands_forget(struct host *h)
 {
     while (h->errands)
-        drop(&h->errands);
-    h->at_errand = false;
+        drop(take_first(h));
+    for (int i = 0; i < h->cluster->spec->threads; i++) {
+        drop(h->thread[i].errand);
+        h->thread[i].errand = NULL;
+    }
 }

@@ -16,17 +16,37 @@
 
 #include "tests/sim/task.h"
 
+#include <uv.h>
+
 /* The office at night makes so many rays in a second on one processor. */
 #define RAYS_PER_S 1.7e6
 
-/* More the coordinator does not give to one thread. */
+/* More tiles for each thread the coordinator does not give. */
 #define HOST_MOST_TILES 16
+
+struct host_thread {
+    struct host *host;
+    bool working;  /* until an event */
+    unsigned step; /* counts what it did: older events are void */
+    enum host_state state;
+    uint64_t state_us;        /* since when */
+    enum host_state at_tiles; /* for tiles; HOST_STATES: nothing */
+    struct host_tile {
+        uint32_t pass, tile;
+    } tile;                   /* that it makes, or begins the pass of */
+    struct errand *errand;    /* that it does */
+    struct host_pass *pass;   /* a team that it is in, */
+    struct fibre *fibre;      /* as this member */
+    double owed;              /* cost of pixels whose time is to come */
+    const uv_cond_t *waits;   /* for a thread on the line above; NULL: no */
+    struct host_thread *next; /* of all that wait so */
+};
 
 struct host {
     struct cluster *cluster;
     int number;
     char name[16], address[16];
-    double speed;
+    double speed;          /* of each thread */
     unsigned life;         /* its ends and its child's: older events are void */
     struct worker *radd;   /* NULL: it is dead */
     struct peer_end *ends; /* of links to other hosts */
@@ -34,26 +54,21 @@ struct host {
                             * coordinator and the child; 0: none */
     struct rad_quincunx *frames; /* for strict_new() */
     struct strict *strict;       /* NULL: no job */
-    struct task task;            /* of a pass that is under way */
-    double owed;                 /* cost of pixels whose time is to come */
-    double pass_s;               /* of the task so far */
-    bool lines;                  /* it has had strict units */
-    uint32_t passes;             /* that are closed, as far as it knows */
-    struct host_tile {
-        uint32_t pass, tile;
-    } tile[HOST_MOST_TILES]; /* to make, the first under way */
+    struct host_thread *thread;
+    struct host_pass *teams; /* at work, newest first */
+    bool lines;              /* it has had strict units */
+    /* passes that are closed, as far as it knows, and that are in its cache */
+    uint32_t closed, passes;
+    struct host_tile *tile; /* to make, but for those that threads make */
     uint32_t ntiles;
-    enum host_state at_tiles; /* what it does for them; HOST_STATES: nothing */
-    size_t tile_step;         /* counts that */
-    uint32_t begun;           /* passes before are ready for tiles */
-    double insert_s;          /* for records that have come */
-    struct errand *errands;   /* to do, the first perhaps under way */
-    bool at_errand, working, ticking;
-    uint64_t idle_us; /* since when it waits for a top; 0: it does not */
-    bool ready;
-    enum host_state state;
-    uint64_t state_us; /* since when */
-    /* for the result */
+    int members;   /* threads that make tiles */
+    bool changing; /* a thread gets a pass ready, or puts records in */
+    uint32_t begun[MSG_OPEN_PASSES]; /* a pass that is ready for tiles, + 1 */
+    struct errand *errands;          /* to do */
+    bool ticking, ready;
+    uint64_t idle_us; /* since then threads wait for a top, */
+    int idle;         /* so many */
+    /* for the result; wait_s: of all threads */
     double busy_s, wait_s, twice_s;
     uint64_t traced, units;
     uint8_t *code; /* rows of a piece, each of so many bytes, */
@@ -69,9 +84,11 @@ void host_later(struct host *h, double delay_us,
                 void (*fn)(void *arg, struct event *e));
 /* The host that an event is for; NULL: it died since. */
 struct host *host_alive(void *arg, const struct event *e);
-/* It works for so long, and then fn is called. */
-void host_spend(struct host *h, double seconds,
+/* The thread works for so long, and then fn is called. */
+void host_spend(struct host_thread *t, double seconds,
                 void (*fn)(void *arg, struct event *e));
+/* The thread that an event is for, which rests now; NULL: it was stopped. */
+struct host_thread *host_rests(void *arg, const struct event *e);
 
 /* A message to the child, and its end. */
 void host_child_message(struct host *h, const struct msg *m);
@@ -95,20 +112,28 @@ void host_radd_release(struct host *h);
 
 /* --- host_time.c --- */
 
-enum host_state host_time_state(const struct host *h);
-/* Book what it did until now; it does that next. */
-void host_time_note(struct host *h, enum host_state next);
+/* Book what all threads, or one, did until now. */
+void host_time_look(struct host *h);
+void host_time_note(struct host_thread *t);
 /* For --verbose: what it does now, and with which lines. */
-void host_time_tell(const struct host *h, const char *what);
-/* See whether it waits for a base line, and count that. */
+void host_time_tell(const struct host_thread *t, const char *what);
+/* See whether threads wait for a base line, and count that. */
 void host_time_wait(struct host *h);
 
 /* --- host_pass.c --- */
 
-/* False: there is none. */
-bool host_pass_begin(struct host *h);
-/* Go on with the pass, or end it; true: that takes time. */
-bool host_pass_trace(struct host *h);
+struct host_pass;
+
+/* Begin a pass, or join a team; false: there is none. */
+bool host_pass_begin(struct host_thread *t);
+/* Go on with the pass, or leave it. */
+void host_pass_trace(struct host_thread *t);
+/* What its members do; and for --verbose. */
+enum host_state host_pass_state(const struct host_pass *p);
+void host_pass_tell(const struct host_pass *p);
+/* Carry out what the machine asks of passes. */
+void host_pass_look(struct host *h);
+void host_passes_drop(struct host *h);
 
 /* --- host_tiles.c --- */
 
@@ -117,7 +142,9 @@ bool host_tiles_open(const struct host *h);
 /* False: the message is not of tiles. */
 bool host_tiles_message(struct host *h, const struct msg *m);
 /* Begin what is to be done for them next; false: there is nothing. */
-bool host_tiles_begin(struct host *h);
+bool host_tiles_begin(struct host_thread *t);
+/* Does the cache change, or wait for that? */
+bool host_tiles_change(const struct host *h);
 void host_tiles_forget(struct host *h);
 
 /* --- host_errand.c --- */
@@ -125,7 +152,7 @@ void host_tiles_forget(struct host *h);
 void host_errand_window(struct host *h, const struct msg_unit *u);
 void host_errand_estimate(struct host *h, const struct msg_estimate *m);
 /* False: there is none. */
-bool host_errand_begin(struct host *h);
+bool host_errand_begin(struct host_thread *t);
 void host_errand_revoke(struct host *h, const struct msg_attempt *r);
 void host_errands_forget(struct host *h);
 

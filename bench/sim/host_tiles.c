@@ -9,6 +9,7 @@
 #include "proto/ambshare.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const struct tile_pass *
 pass_of(const struct host *h, uint32_t pass)
@@ -21,40 +22,32 @@ host_tiles_open(const struct host *h)
 {
     const struct tiles *t = h->cluster->spec->tiles;
 
-    return t && h->passes < t->npasses;
+    return t && h->closed < t->npasses;
 }
 
-/* It works on the cache for so long, if no pass is closed meanwhile. */
+bool
+host_tiles_change(const struct host *h)
+{
+    return h->changing || h->passes < h->closed;
+}
+
 static void
-spend(struct host *h, enum host_state what, double seconds,
+spend(struct host_thread *t, enum host_state what, double seconds,
       void (*fn)(void *arg, struct event *e))
 {
-    struct event e = { .at = h->cluster->now_us + (uint64_t)(1e6 * seconds),
-                       .fn = fn,
-                       .node = h->number,
-                       .n = h->life,
-                       .len = ++h->tile_step };
-
-    h->at_tiles = what;
-    h->working = true;
-    events_add(&h->cluster->events, &e);
+    t->at_tiles = what;
+    host_spend(t, seconds / t->host->speed, fn);
 }
 
-/* The host that does what it was to do; NULL: it was stopped. */
-static struct host *
-host_there(void *arg, const struct event *e)
-{
-    struct host *h = host_alive(arg, e);
-
-    return h && h->at_tiles != HOST_STATES && h->tile_step == e->len ? h : NULL;
-}
-
+/* The thread has done, or does no more, what it was to do for tiles. */
 static void
-rest(struct host *h)
+rest(struct host_thread *t)
 {
-    host_time_note(h, h->at_tiles);
-    h->at_tiles = HOST_STATES;
-    h->working = false;
+    if (t->at_tiles == HOST_TILES)
+        t->host->members--;
+    else
+        t->host->changing = false;
+    t->at_tiles = HOST_STATES;
 }
 
 /* --- a tile --- */
@@ -96,62 +89,90 @@ drop_tile(struct host *h, uint32_t i)
 static void
 tile_done(void *arg, struct event *e)
 {
-    struct host *h = host_there(arg, e);
-    struct host_tile t;
+    struct host_thread *t = host_rests(arg, e);
+    struct host *h;
+    double seconds;
 
-    if (!h)
+    if (!t)
         return;
-    t = h->tile[0];
-    drop_tile(h, 0);
-    rest(h);
-    h->busy_s += cost_of(h, &t)->seconds / h->speed;
-    if (!cluster_first(h->cluster, t.pass, t.tile))
-        h->twice_s += cost_of(h, &t)->seconds / h->speed;
-    send_tile(h, &t);
+    h = t->host;
+    rest(t);
+    seconds = cost_of(h, &t->tile)->seconds / h->speed;
+    h->busy_s += seconds;
+    if (!cluster_first(h->cluster, t->tile.pass, t->tile.tile))
+        h->twice_s += seconds;
+    send_tile(h, &t->tile);
     host_go_on(h);
 }
+
+/* --- what one thread alone does --- */
 
 static void
 walked(void *arg, struct event *e)
 {
-    struct host *h = host_there(arg, e);
+    struct host_thread *t = host_rests(arg, e);
 
-    if (!h)
+    if (!t)
         return;
-    rest(h);
-    h->begun = h->tile[0].pass + 1;
-    host_go_on(h);
+    rest(t);
+    t->host->begun[t->tile.pass % MSG_OPEN_PASSES] = t->tile.pass + 1;
+    host_go_on(t->host);
 }
 
 static void
 inserted(void *arg, struct event *e)
 {
-    struct host *h = host_there(arg, e);
+    struct host_thread *t = host_rests(arg, e);
 
-    if (!h)
+    if (!t)
         return;
-    rest(h);
-    host_go_on(h);
+    rest(t);
+    t->host->passes++;
+    host_go_on(t->host);
+}
+
+static bool
+begin_insert(struct host_thread *t)
+{
+    const struct cluster *c = t->host->cluster;
+
+    t->host->changing = true;
+    spend(t, HOST_INSERTS,
+          1e-6 * c->spec->insert_us * c->nrecords[t->host->passes], inserted);
+    return true;
+}
+
+/* Make a tile, or first get its pass ready. */
+static bool
+begin_tile(struct host_thread *t, uint32_t i)
+{
+    struct host *h = t->host;
+
+    t->tile = h->tile[i];
+    if (h->begun[t->tile.pass % MSG_OPEN_PASSES] != t->tile.pass + 1) {
+        h->changing = true;
+        spend(t, HOST_WALKS, pass_of(h, t->tile.pass)->begin_s, walked);
+        return true;
+    }
+    drop_tile(h, i);
+    h->members++;
+    spend(t, HOST_TILES, cost_of(h, &t->tile)->seconds, tile_done);
+    return true;
 }
 
 bool
-host_tiles_begin(struct host *h)
+host_tiles_begin(struct host_thread *t)
 {
-    if (h->insert_s > 0) {
-        spend(h, HOST_INSERTS, h->insert_s, inserted);
-        h->insert_s = 0;
-        return true;
-    }
-    if (!host_tiles_open(h) || h->ntiles == 0 ||
-        pass_of(h, h->tile[0].pass)->reads > h->passes)
+    const struct host *h = t->host;
+    uint32_t i = 0;
+
+    if (h->changing)
         return false;
-    if (h->begun <= h->tile[0].pass)
-        spend(h, HOST_WALKS, pass_of(h, h->tile[0].pass)->begin_s / h->speed,
-              walked);
-    else
-        spend(h, HOST_TILES, cost_of(h, &h->tile[0])->seconds / h->speed,
-              tile_done);
-    return true;
+    if (h->passes < h->closed && h->members == 0)
+        return !h->teams && begin_insert(t);
+    while (i < h->ntiles && pass_of(h, h->tile[i].pass)->reads > h->passes)
+        i++;
+    return i < h->ntiles && begin_tile(t, i);
 }
 
 /* --- messages --- */
@@ -159,9 +180,9 @@ host_tiles_begin(struct host *h)
 static void
 take(struct host *h, const struct msg_tile *m)
 {
-    if (h->ntiles == HOST_MOST_TILES)
+    if (h->ntiles == (uint32_t)h->cluster->spec->threads * HOST_MOST_TILES)
         abort();
-    if (m->pass >= h->passes)
+    if (m->pass >= h->closed)
         h->tile[h->ntiles++] = (struct host_tile){ m->pass, m->tile };
 }
 
@@ -169,12 +190,17 @@ take(struct host *h, const struct msg_tile *m)
 static void
 stop(struct host *h, uint32_t pass)
 {
-    bool at_it = h->ntiles > 0 && h->tile[0].pass == pass;
+    for (int i = 0; i < h->cluster->spec->threads; i++) {
+        struct host_thread *t = &h->thread[i];
 
-    if (at_it && h->at_tiles == HOST_TILES)
-        h->twice_s += 1e-6 * (double)(h->cluster->now_us - h->state_us);
-    if (at_it && (h->at_tiles == HOST_TILES || h->at_tiles == HOST_WALKS))
-        rest(h);
+        if (t->at_tiles != HOST_TILES || t->tile.pass != pass)
+            continue;
+        h->twice_s += 1e-6 * (double)(h->cluster->now_us - t->state_us);
+        host_time_note(t);
+        rest(t);
+        t->working = false;
+        t->step++;
+    }
     for (uint32_t i = h->ntiles; i-- > 0;)
         if (h->tile[i].pass == pass)
             drop_tile(h, i);
@@ -184,17 +210,17 @@ stop(struct host *h, uint32_t pass)
 static void
 close_pass(struct host *h, uint32_t count)
 {
-    h->insert_s += 1e-6 * h->cluster->spec->insert_us * count / h->speed;
-    stop(h, h->passes);
-    if (h->at_tiles == HOST_STATES)
-        host_time_note(h, h->state); /* what it waited for */
-    h->passes++;
+    h->cluster->nrecords[h->closed] = count;
+    stop(h, h->closed);
+    for (int i = 0; i < h->cluster->spec->threads; i++)
+        host_time_note(&h->thread[i]); /* what it waited for */
+    h->closed++;
 }
 
 static void
 freeze(struct host *h, const struct msg_frozen *m)
 {
-    if (m->pass != h->passes)
+    if (m->pass != h->closed)
         abort();
     if (m->last)
         close_pass(h, m->first + m->count);
@@ -218,9 +244,11 @@ host_tiles_message(struct host *h, const struct msg *m)
 void
 host_tiles_forget(struct host *h)
 {
+    for (int i = 0; i < h->cluster->spec->threads; i++)
+        h->thread[i].at_tiles = HOST_STATES;
     h->ntiles = 0;
-    h->insert_s = 0;
-    h->passes = 0;
-    h->begun = 0;
-    h->at_tiles = HOST_STATES;
+    h->closed = h->passes = 0;
+    h->members = 0;
+    h->changing = false;
+    memset(h->begun, 0, sizeof h->begun);
 }

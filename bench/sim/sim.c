@@ -67,12 +67,12 @@ struct bench {
     const struct way *ways[MOST_WAYS];
     int nways;
     struct cluster_result result[MOST_WAYS][MOST_COUNTS];
-    double alone_s; /* one host of speed 1 */
+    double alone_s; /* one thread of speed 1 */
 };
 
 /* What options with numbers set, and the doubles of those that are ints. */
 struct numbers {
-    double width, height, frames, windows, seed;
+    double threads, frames, windows, seed;
 };
 
 _Noreturn static void
@@ -93,6 +93,7 @@ number_table(struct options *o, struct numbers *n, struct number *t)
         { "--frames", &n->frames, 1, 1, 10000, "of an animation (1)" },
         { "--base", &o->map.base, 1, .01, 100,
           "cost of a base line's row over a bar's row (1.5)" },
+        { "--threads", &n->threads, 1, 1, 256, "of each host (1)" },
         { "--uneven", &c->uneven, 1, 1, 1000,
           "fastest host's speed over the slowest's (1)" },
         { "--slow", &c->slow, 1, 1, 1000,
@@ -137,11 +138,12 @@ usage(const struct number *t, int n)
          "  --ways=LIST       of those below (auto,scanbar,static,window)\n"
          "  --plot=FILE       draw it: FILE.png or FILE.svg\n"
          "  --details         more about each run\n"
-         "  --timeline        what hosts do, by time: of each slice of a run, "
-         "in %\n"
+         "  --timeline        what threads do, by time: of each slice of a "
+         "run, in %\n"
          "                    load, trace (under a true top, ahead), wait for "
          "a base\n"
-         "                    line, have no unit\n"
+         "                    line, or the line above in a team, have no "
+         "unit\n"
          "  --share           peers' links, as for ambient values\n"
          "  --verbose         every message");
     for (int i = 0; i < n; i++)
@@ -232,7 +234,7 @@ take_option(struct options *o, const struct number *t, int n, const char *arg)
 static void
 parse(struct options *o, int argc, char *argv[])
 {
-    struct numbers n = { 0 };
+    struct numbers n = { .threads = 1 };
     struct number t[32];
     int nt;
 
@@ -259,6 +261,7 @@ parse(struct options *o, int argc, char *argv[])
         take_option(o, t, nt, argv[i]);
     }
     o->map.nframes = (uint32_t)n.frames;
+    o->cluster.threads = (int)n.threads;
     o->cluster.windows = (uint32_t)n.windows;
     o->cluster.seed = (uint64_t)n.seed;
 }
@@ -319,14 +322,14 @@ simulate(struct bench *b, const struct options *o, const struct way *w,
     cluster_run(&s, out);
 }
 
-/* One host of speed 1 that never fails. */
+/* One host of one thread and speed 1 that never fails. */
 static void
 simulate_alone(struct bench *b, const struct options *o)
 {
     struct options one = *o;
     struct cluster_result r;
 
-    one.cluster.uneven = one.cluster.slow = 1;
+    one.cluster.uneven = one.cluster.slow = one.cluster.threads = 1;
     one.cluster.failures = 0;
     simulate(b, &one, &all_ways[0], 1, &r);
     if (!r.done)
@@ -369,51 +372,53 @@ say_details(const struct bench *b, const struct way *w, int hosts,
            "twice %5.2f %%  units %6llu  messages %8llu  %8.2f MB  base lines "
            "%7.2f MB  radcoord %.3f s  failed %llu\n",
            w->name, hosts, r->seconds, 100 * efficiency(b, r),
-           100 * r->busy_s / (r->seconds * hosts), 100 * r->wait_s / r->seconds,
-           100 * twice(b, r), (unsigned long long)r->units,
-           (unsigned long long)r->messages, 1e-6 * (double)r->bytes,
-           1e-6 * (double)r->base_line_bytes, r->coord_s,
-           (unsigned long long)r->failed);
+           100 * r->busy_s / (r->seconds * r->threads),
+           100 * r->wait_s / r->seconds, 100 * twice(b, r),
+           (unsigned long long)r->units, (unsigned long long)r->messages,
+           1e-6 * (double)r->bytes, 1e-6 * (double)r->base_line_bytes,
+           r->coord_s, (unsigned long long)r->failed);
 }
 
-/* In percent of all hosts' time. */
+/* In percent of all threads' time. */
 static double
-share_of(const struct cluster_result *r, int hosts, enum host_state state)
+share_of(const struct cluster_result *r, enum host_state state)
 {
     double sum = 0;
 
     for (int k = 0; k < CLUSTER_SLICES; k++)
         sum += r->state_s[k][state];
-    return 100 * sum / (r->seconds * hosts);
+    return 100 * sum / (r->seconds * r->threads);
 }
 
 /* What the passes lose, and to what. */
 static void
-say_passes(const struct cluster_result *r, int hosts)
+say_passes(const struct cluster_result *r)
 {
-    double twice = 100 * r->twice_s / (r->seconds * hosts);
+    double twice = 100 * r->twice_s / (r->seconds * r->threads);
 
     printf("%21s passes %.3f s: tiles %.1f %%, made twice %.1f, paths %.1f, "
-           "ends of passes %.1f, records on their way %.1f, into caches %.1f; "
-           "loading %.1f, no unit %.1f, base lines %.1f;  TILE_MADE %.2f MB, "
+           "ends of passes %.1f, records on their way %.1f, into caches %.1f, "
+           "waiting for that %.1f; loading %.1f, no unit %.1f, base lines "
+           "%.1f, the line above %.1f;  TILE_MADE %.2f MB, "
            "records on by radcoord %.2f MB, by hosts %.2f MB, FROZEN %.2f "
            "MB\n",
-           "", r->passes_s, share_of(r, hosts, HOST_TILES) - twice, twice,
-           share_of(r, hosts, HOST_WALKS), share_of(r, hosts, HOST_BARRIER),
-           share_of(r, hosts, HOST_RECORDS), share_of(r, hosts, HOST_INSERTS),
-           share_of(r, hosts, HOST_LOADS), share_of(r, hosts, HOST_EMPTY),
-           share_of(r, hosts, HOST_WAITS), 1e-6 * (double)r->tile_bytes,
+           "", r->passes_s, share_of(r, HOST_TILES) - twice, twice,
+           share_of(r, HOST_WALKS), share_of(r, HOST_BARRIER),
+           share_of(r, HOST_RECORDS), share_of(r, HOST_INSERTS),
+           share_of(r, HOST_CHANGES), share_of(r, HOST_LOADS),
+           share_of(r, HOST_EMPTY), share_of(r, HOST_WAITS),
+           share_of(r, HOST_BELOW), 1e-6 * (double)r->tile_bytes,
            1e-6 * (double)r->records_bytes, 1e-6 * (double)r->peer_bytes,
            1e-6 * (double)r->frozen_bytes);
 }
 
-/* What hosts do in each slice of a run, in percent. */
+/* What threads do in each slice of a run, in percent. */
 static void
-say_timeline(const struct cluster_result *r, int hosts)
+say_timeline(const struct cluster_result *r)
 {
     static const char *const name[HOST_STATES] = {
-        "load",  "truth", "ahead",  "wait",    "empty",
-        "tiles", "paths", "insert", "barrier", "records"
+        "load",  "truth", "ahead",  "wait",   "below",   "empty",
+        "tiles", "paths", "insert", "change", "barrier", "records"
     };
     double slice_s = r->work / r->speed / CLUSTER_SLICES_IDEAL;
     double sum[HOST_STATES] = { 0 };
@@ -425,14 +430,14 @@ say_timeline(const struct cluster_result *r, int hosts)
     for (int k = 0; k < CLUSTER_SLICES && k * slice_s < r->seconds; k++) {
         printf("%8.3f", fmin((k + 1) * slice_s, r->seconds));
         for (int s = 0; s < HOST_STATES; s++) {
-            printf("%8.1f", 100 * r->state_s[k][s] / (slice_s * hosts));
+            printf("%8.1f", 100 * r->state_s[k][s] / (slice_s * r->threads));
             sum[s] += r->state_s[k][s];
         }
         puts("");
     }
     printf("%8s", "in all");
     for (int s = 0; s < HOST_STATES; s++)
-        printf("%8.1f", 100 * sum[s] / (r->seconds * hosts));
+        printf("%8.1f", 100 * sum[s] / (r->seconds * r->threads));
     puts("");
 }
 
@@ -555,9 +560,11 @@ say_head(const struct bench *b, const struct options *o)
         printf("%s: %u passes, %.2f s of one host before the picture; %.2f s "
                "with a live cache\n",
                o->tiles, b->tiles.npasses, b->tiles.passes_s, b->tiles.live_s);
-    printf("speeds 1:%g, latency %g ms, %g Mbit/s, coordinator %g us a "
+    printf("%d thread%s a host, speeds 1:%g, latency %g ms, %g Mbit/s, "
+           "coordinator %g us a "
            "message, disk %g ms, load %g s\n",
-           c->uneven, 1e-3 * c->latency_us, c->bandwidth / 125000, c->coord_us,
+           c->threads, c->threads > 1 ? "s" : "", c->uneven,
+           1e-3 * c->latency_us, c->bandwidth / 125000, c->coord_us,
            1e-3 * c->disk_us, 1e-6 * c->load_us);
     printf("%g %% more work a doubling, %g failures of a host an hour, back "
            "after %g s\n",
@@ -591,9 +598,9 @@ main(int argc, char *argv[])
             if (o.details)
                 say_details(&b, b.ways[k], b.hosts[i], &b.result[k][i]);
             if (o.details && b.tiles.npasses > 0 && b.result[k][i].done)
-                say_passes(&b.result[k][i], b.hosts[i]);
+                say_passes(&b.result[k][i]);
             if (o.timeline)
-                say_timeline(&b.result[k][i], b.hosts[i]);
+                say_timeline(&b.result[k][i]);
             fflush(stdout);
         }
     say_table(&b);

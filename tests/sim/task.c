@@ -8,13 +8,31 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+_Noreturn static void
+out_of_memory(void)
+{
+    fputs("sim: out of memory\n", stderr);
+    abort();
+}
+
 static void
 work(void *arg)
 {
     struct task *t = arg;
 
     team_work(t->team, NULL);
-    t->over = true;
+    t->over = --t->members == 0;
+}
+
+/* As many members as the real pool's teams have at most. */
+static int
+most_members(const struct team_spec *spec, int nthreads)
+{
+    int nlines = spec->last - spec->first;
+
+    if (spec->ahead.earlier || nthreads == 0)
+        return 1;
+    return nthreads < nlines ? nthreads : nlines;
 }
 
 /* The rows of a pass's unit. */
@@ -71,25 +89,37 @@ task_begin(struct task *t, const struct team_spec *callbacks,
         t->unit = *u;
         describe_window(u, &spec);
     }
-    spec.nthreads = 1;
+    spec.nthreads = most_members(&spec, callbacks->nthreads);
     t->team = team_new(&spec);
-    t->fibre = fibre_new(work, t);
-    if (!t->team || !t->fibre) {
-        fputs("sim: out of memory\n", stderr);
-        abort();
-    }
+    if (!t->team)
+        out_of_memory();
+    task_join(t);
+}
+
+struct fibre *
+task_join(struct task *t)
+{
+    struct fibre *f = fibre_new(work, t);
+    size_t n = (size_t)t->nfibres + 1;
+
+    t->fibre = realloc(t->fibre, n * sizeof *t->fibre);
+    if (!f || !t->fibre)
+        out_of_memory();
+    t->fibre[t->nfibres++] = f;
+    t->members++;
+    return f;
 }
 
 void
 task_run(struct task *t)
 {
-    fibre_run(t->fibre);
+    fibre_run(t->fibre[0]);
 }
 
 void
 task_yield(struct task *t)
 {
-    fibre_yield(t->fibre);
+    fibre_yield(t->fibre[0]);
 }
 
 void
@@ -129,8 +159,9 @@ task_drop(struct task *t, struct strict *s)
         return;
     t->dropped = true;
     team_stop(t->team);
-    while (fibre_run(t->fibre))
-        ;
+    for (int i = 0; i < t->nfibres; i++)
+        while (fibre_run(t->fibre[i]))
+            ;
     if (t->pass)
         strict_ended(s, t->pass, false, &no_bottom, &none, NULL);
     task_release(t);
@@ -139,7 +170,9 @@ task_drop(struct task *t, struct strict *s)
 void
 task_release(struct task *t)
 {
-    fibre_free(t->fibre);
+    for (int i = 0; i < t->nfibres; i++)
+        fibre_free(t->fibre[i]);
+    free(t->fibre);
     team_free(t->team);
     *t = (struct task){ 0 };
 }
