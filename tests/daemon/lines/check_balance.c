@@ -125,6 +125,32 @@ TEST(static_weighs_workers_by_what_earlier_jobs_showed)
     (void)b;
 }
 
+/* Threads that find no line to begin would else wait for those at the unit's
+ * last lines. */
+TEST(a_worker_whose_threads_run_out_of_lines_gets_another_unit)
+{
+    struct msg_unit u;
+    uint32_t half, most;
+
+    f.threads = 4;
+    f.tall = true;
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    submit(MSG_PART_AUTO, 0, "uniform", 1);
+    ready(W3);
+    u = *unit_of(W3);
+    half = u.height / 2;
+    most = u.height - 2 * BAR;
+    ck_assert_uint_ge(half, 5 * BAR);
+    wait_ms(1000);
+    result(W3, &u, 0, half, false);
+    wait_ms(100);
+    ck_assert_int_eq(count(W3, MSG_UNIT), 1);
+    wait_ms(900);
+    result(W3, &u, half, most - half, false);
+    wait_ms(100);
+    ck_assert_int_eq(count(W3, MSG_UNIT), 2);
+}
+
 /* It had nothing left ahead of the truth; under that there are pixels again
  * that no guess could be sure of. */
 TEST(one_whose_top_came_may_be_asked_again)

@@ -57,6 +57,7 @@ static struct {
     bool slow_disk;     /* nothing is kept */
     uint64_t kept_rays; /* of the last unit whose rows were all kept */
     bool tall;
+    uint16_t threads; /* of workers that join, or get ready, from now on */
     char why[MSG_MAX_TEXT + 1];
 } f;
 
@@ -179,7 +180,7 @@ join(uint64_t conn, unsigned role, const char *name, const char *address)
     struct coord_peer peer = { "test", "ana", 14, NULL };
     struct msg m = { .type = MSG_HELLO,
                      .hello = { 1, MSG_VERSION, (uint8_t)role, name, "t",
-                                address, 1, 0 } };
+                                address, f.threads, 0 } };
 
     f.closed[conn] = false;
     coord_opened(f.c, f.now_ms, conn, &peer);
@@ -211,7 +212,7 @@ submit(enum msg_partition kind, uint32_t flags, const char *estimate,
 static inline void
 ready(uint64_t conn)
 {
-    struct msg m = { .type = MSG_READY, .ready = { id, .1, 7, 1, 0 } };
+    struct msg m = { .type = MSG_READY, .ready = { id, .1, 7, f.threads, 0 } };
 
     say(conn, &m);
 }
@@ -421,6 +422,7 @@ set_up(void)
     memset(&f, 0, sizeof f);
     f.c = coord_new(&env);
     f.now_ms = 1;
+    f.threads = 1;
     join(ANA, MSG_ROLE_USER, "", "");
     join(ADMIN, MSG_ROLE_ADMIN, "", "");
     join(W1, MSG_ROLE_WORKER, "ws1", "tcp a");
