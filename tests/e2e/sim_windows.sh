@@ -1,5 +1,6 @@
 #!/bin/sh
-# sim_windows.sh - the simulator takes windows for what a former run's took
+# sim_windows.sh - the simulator takes windows for what a former run's took,
+# and gives a host as many threads as it is told
 #
 # Sixteen windows, the first of which took most of the time: two hosts need
 # about as long as one.  By rows alone its neighbours would share its cost.
@@ -34,4 +35,10 @@ even=$(speed_up 1)
 uneven=$(speed_up 85)
 echo "sixteen windows on two hosts: $even times as fast, $uneven if one is dear"
 awk -v even="$even" -v uneven="$uneven" 'BEGIN {
-    exit !(even > 1.9 && even <= 2 && uneven >= 1.1 && uneven < 1.2) }'
+    exit !(even > 1.9 && even <= 2 && uneven >= 1.1 && uneven < 1.2) }' || exit 1
+
+# teams of threads, each a member on a line of its own
+threads=$("$sim" --ways=auto --size=480x320 --seconds=20 --threads=4 --hosts=1 |
+    awk '$1 == 1 && NF == 3 { print $2 }')
+echo "four threads of one host: $threads times as fast"
+awk -v n="$threads" 'BEGIN { exit !(n > 3.5 && n <= 4) }'
