@@ -15,8 +15,11 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* Many tiles wait if there are more than this for each thread of the job. */
-#define PLENTY 4
+/* Many tiles wait if there are more than this for each thread of the job.  A
+ * worker may have more ahead for each further PLENTY, up to MOST_PLENTY times:
+ * many tiles take less time than an answer of the coordinator does. */
+#define PLENTY      4
+#define MOST_PLENTY 4
 
 /* A tile goes to a second worker when it is out for LATE_TIMES the usual time
  * of a tile and at least LATE_MS.  The usual time is a mean in which each tile
@@ -208,9 +211,22 @@ renders_lines(const struct coord *c, const struct job *job,
     return false;
 }
 
+/* How many tiles a worker of n threads may have that none of these makes yet:
+ * half as many as threads, and for each further PLENTY that wait n more. */
+static uint32_t
+most_ahead(const struct job *job, uint32_t n, uint32_t waiting)
+{
+    uint32_t plenty = PLENTY * job->speed.threads;
+    uint32_t times = 0;
+
+    while (times < MOST_PLENTY && waiting > (times + 1) * plenty)
+        times++;
+    return times > 0 ? (n + 1) / 2 + (times - 1) * n : 0;
+}
+
 /* Has the worker room for another tile?  A worker has a tile for each thread,
- * and while many tiles wait half as many more, so that no thread waits for the
- * coordinator; but none more beside units of another job.  Only tiles of the
+ * and more while many tiles wait, so that no thread waits for the coordinator;
+ * but none more beside units of another job.  Only tiles of the
  * first pass that has waiting tiles count as waiting: at the end of a pass no
  * tile must stand behind a dear tile in a worker. */
 static bool
@@ -227,8 +243,7 @@ has_room(const struct coord *c, const struct job *job, uint32_t index)
     for (uint32_t i = s->open; i < s->opened && waiting == 0; i++)
         waiting = s->sheet[i % MSG_OPEN_PASSES].waiting;
     return jw->worker->in_flight + tiles_out(jw) <
-           (mixed || waiting <= PLENTY * job->speed.threads ? n
-                                                            : n + (n + 1) / 2);
+           n + (mixed ? 0 : most_ahead(job, n, waiting));
 }
 
 bool

@@ -225,7 +225,7 @@ TEST(workers_stay_with_an_owner_at_passes)
     ck_assert_uint_eq(f.units[SECOND], 0);
     for (uint32_t u = 1; u < 4; u++)
         result(WORKER, job_b, u, 1);
-    ck_assert_uint_eq(tiles_out(&job->workers[0]), 3); /* bob's is over */
+    ck_assert_uint_eq(tiles_out(&job->workers[0]), 9); /* bob's is over */
 }
 
 /* Bob submits a job of a frame of so many pixels a side. */
