@@ -49,6 +49,14 @@ grep -q "estimated error .* %, $wanted % were asked for" calm.err ||
     fail "it is not said what was reached: $(cat calm.err)"
 grep -Eq '^radsubmit .* -aa 0?\.4( |$)' calm.hdr &&
     fail "the header has the first stage's options"
+# with the rays of a pixel that the stages chose, as one thread alone makes it
+# shellcheck disable=SC2086 # options are words
+"$top_builddir/tests/tools/seqpict" --ambient=passes $goal $view -o seq.hdr \
+    "$room" 2>seq.err || fail "seqpict: $(cat seq.err)"
+for f in calm seq; do
+    LC_ALL=C sed '1,/^$/d' $f.hdr >$f.body
+done
+cmp calm.body seq.body || fail "another picture than one thread's"
 render three $goal --workers=3 --threads=1
 same three
 render threads $goal --workers=1 --threads=2
