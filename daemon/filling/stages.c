@@ -102,16 +102,6 @@ set_options(struct job *job)
     return job->goal.options != NULL;
 }
 
-static double
-seconds_spent(const struct coord *c, const struct job *job)
-{
-    uint64_t ms = job->goal.spent_ms;
-
-    if (job->first_ms > 0)
-        ms += c->now_ms - job->first_ms;
-    return (double)ms / 1000;
-}
-
 /* About how many rays the records took that the stage got from another job: a
  * further stage begins with an empty cache and has to make such records, too.
  */
@@ -181,7 +171,7 @@ make_ask(const struct coord *c, const struct job *job,
     };
 
     if (job->spec.time_ms > 0)
-        note_clock(job, found, seconds_spent(c, job), &ask);
+        note_clock(job, found, goal_spent_s(job, c->now_ms), &ask);
     for (uint32_t i = 0; i < job->spec.nframes; i++)
         ask.pixels +=
             (uint64_t)job->spec.frames[i].width * job->spec.frames[i].height;
@@ -215,14 +205,14 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
         "stage ends job=%s stage=%u error=%.4f wanted=%.4f seconds=%.3f "
         "goes_on=%d",
         job->hex, g->number, g->error, job->spec.error_ppm / 1e6,
-        seconds_spent(c, job), on);
+        goal_spent_s(job, c->now_ms), on);
     g->ended = !on;
     g->rungs[0] = pack_rung(next.ambient);
     g->rungs[1] = pack_rung(next.pixel);
     if (on) {
         g->number++;
         g->base += n;
-        g->begun_s = seconds_spent(c, job);
+        g->begun_s = goal_spent_s(job, c->now_ms);
         g->past_rung = pack_rung(past.rung);
         g->past_square = past.square;
     }
@@ -257,7 +247,7 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
     wire_put_f64(&w, g->mean);
     wire_put_u8(&w, g->past_rung);
     wire_put_f64(&w, g->past_square);
-    wire_put_u64(&w, (uint64_t)(1000 * seconds_spent(c, job)));
+    wire_put_u64(&w, (uint64_t)(1000 * goal_spent_s(job, c->now_ms)));
     if (w.bad)
         c->actions.failed = true;
     else

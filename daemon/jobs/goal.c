@@ -17,6 +17,16 @@ goal_rays_up(const struct job *job)
     return job->goal.late && job->spec.time_ms == 0;
 }
 
+double
+goal_spent_s(const struct job *job, uint64_t now_ms)
+{
+    uint64_t ms = job->goal.spent_ms;
+
+    if (job->first_ms > 0)
+        ms += now_ms - job->first_ms;
+    return (double)ms / 1000;
+}
+
 const char *
 goal_options(const struct job *job)
 {

@@ -45,6 +45,9 @@ struct job_goal {
  * job without --time, only because a stage may take no more rays? */
 bool goal_time_up(const struct job *job);
 bool goal_rays_up(const struct job *job);
+/* Seconds since the first work on the job, those of earlier lives of the
+ * coordinator included. */
+double goal_spent_s(const struct job *job, uint64_t now_ms);
 /* Rendering options of the job's pictures, as chosen so far: the goal's, else
  * the specification's. */
 const char *goal_options(const struct job *job);

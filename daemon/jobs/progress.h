@@ -4,6 +4,7 @@
 #ifndef DAEMON_PROGRESS_H
 #define DAEMON_PROGRESS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct job;
@@ -17,13 +18,20 @@ struct progress_lead {
     double done; /* share of the passes' work that is done; it never shrinks */
 };
 
-/* The work that workers have put into a job in this life of the coordinator. */
+struct progress_look {
+    double share;  /* of the job that was done */
+    double work_s; /* seconds of workers since the first look: two workers at
+                    * once count twice */
+};
+
+/* How fast workers get on with a job in this life of the coordinator. */
 struct progress_pace {
-    double work_s;      /* seconds of workers: two at once count twice */
-    double first_share; /* share of the job that was done before */
-    double share;       /* when the job was last looked at */
-    uint64_t look_ms;   /* then; 0: not yet */
-    uint32_t workers;   /* that were at the job then */
+    struct progress_look look[32]; /* the first, some between, the last */
+    uint32_t nlooks;
+    uint64_t look_ms; /* the last; 0: none yet */
+    uint32_t workers; /* that were at the job then */
+    bool steady;      /* early and late work were about as dear, so the
+                       * time that is left is told from then on */
 };
 
 /* Bring job.rays_seen and job.pixels_seen up to date; called when a unit is

@@ -156,6 +156,56 @@ TEST(without_time_there_is_no_other_stage)
     ck_assert(job->goal.ended && job->goal.late);
 }
 
+static double
+left_s(void)
+{
+    struct job *job = desk_find_job(f.c, job_a);
+    struct msg_progress p;
+
+    job->state = JOB_RUNNING;
+    wait_s(1);
+    progress_tell(job, f.now_ms, &p);
+    return p.left_s;
+}
+
+static const struct {
+    uint32_t error_ppm, time_ms;
+    double left_s;
+} goals[] = { { 50000, 0, 0 }, { 0, 60000, 60 }, { 50000, 60000, 0 } };
+
+/* The share that is done tells nothing of stages to come. */
+LOOP_TEST(time_left_before_the_picture_is_that_of_the_option, N_ELEM(goals))
+{
+    submit_goal(goals[_i].error_ppm, goals[_i].time_ms);
+    ready(WORKER, job_a);
+    wait_s(10);
+    for (uint32_t pass = 0; pass < PASSES; pass++) {
+        double left = fmax(goals[_i].left_s - 11 - 3 * pass, 0);
+
+        ck_assert_double_eq_tol(left_s(), left, 1);
+        wait_s(2);
+        make_pass(WORKER, pass);
+    }
+    wait_s(100); /* the first stage takes its time */
+    ck_assert_double_eq(left_s(), 0);
+}
+
+/* That the stages are over is no work that was done. */
+TEST(time_left_of_the_picture_begins_with_the_picture)
+{
+    struct job *job;
+
+    submit_goal(50000, 0);
+    ready(WORKER, job_a);
+    wait_s(10);
+    make_stage(WORKER, 0, 1e-6);
+    for (int i = 0; i < 10; i++)
+        ck_assert_double_eq(left_s(), 0);
+    job = desk_find_job(f.c, job_a);
+    ck_assert(job->goal.ended);
+    ck_assert_uint_eq(job->pace.nlooks, 2);
+}
+
 /* Passes that were kept have taken more than a new life's clock has seen. */
 TEST(what_passes_took_before_a_restart_counts)
 {
