@@ -531,8 +531,9 @@ rad_ambread_settle_begin(struct rad_ambread *r, rad_ambread_zone_fn *zone,
         return 0;
     if (!r->tree)
         r->tree = calloc(TREES, sizeof *r->tree);
-    r->settling = calloc(1, sizeof *r->settling);
-    if (!r->tree || !r->settling)
+    if (r->tree)
+        r->settling = calloc(1, sizeof *r->settling);
+    if (!r->settling)
         return 0;
     r->settling->zone = zone;
     r->settling->arg = arg;

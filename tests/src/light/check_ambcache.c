@@ -514,33 +514,30 @@ void *__wrap_realloc(void *p, size_t n);
 void *__wrap_aligned_alloc(size_t align, size_t n);
 
 static _Atomic unsigned long allocations;
+static unsigned long fails_at; /* the allocation that fails; 0: none does */
 
 void *
 __wrap_malloc(size_t n)
 {
-    allocations++;
-    return __real_malloc(n);
+    return ++allocations == fails_at ? NULL : __real_malloc(n);
 }
 
 void *
 __wrap_calloc(size_t n, size_t size)
 {
-    allocations++;
-    return __real_calloc(n, size);
+    return ++allocations == fails_at ? NULL : __real_calloc(n, size);
 }
 
 void *
 __wrap_realloc(void *p, size_t n)
 {
-    allocations++;
-    return __real_realloc(p, n);
+    return ++allocations == fails_at ? NULL : __real_realloc(p, n);
 }
 
 void *
 __wrap_aligned_alloc(size_t align, size_t n)
 {
-    allocations++;
-    return __real_aligned_alloc(align, n);
+    return ++allocations == fails_at ? NULL : __real_aligned_alloc(align, n);
 }
 
 /* ck_assert() allocates. */
@@ -581,6 +578,50 @@ TEST(insertions_allocate_in_bulk_and_look_ups_never)
     ck_assert_uint_gt(between, before);
     ck_assert_uint_lt(between - before, RECORDS / 8);
     rad_ambcache_free(c);
+}
+
+#define FEW 300
+
+static void
+few_added(struct rad_ambread *r)
+{
+    rad_ambread_init(r, org, SIDE);
+    for (int i = 0; i < FEW; i++) {
+        sample[i] = invent(rad_key_branch(1, (uint64_t)i));
+        sample[i].rec.E.g = (float)i;
+        ck_assert(rad_ambread_add(r, &sample[i].rec));
+    }
+}
+
+/* Of memory that is out settling tells; what it says is settled serves. */
+TEST(settling_without_memory_fails)
+{
+    int failed = 0;
+
+    fails_at = allocations;
+    for (unsigned long i = 1; allocations >= fails_at; i++) {
+        struct found f = { .n = 0 };
+        struct rad_ambread r;
+        bool ok;
+
+        few_added(&r);
+        fails_at = allocations + i;
+        ok = rad_ambread_settle(&r, zone_of, NULL);
+        failed += !ok;
+        for (int k = 0; ok && k < FEW; k++) {
+            struct question q = ask_near(&sample[k], (uint64_t)k);
+            struct rad_ambfit fit;
+
+            rad_ambfit_set(&fit, q.min_cos, q.weight);
+            q.q.fit = &fit;
+            rad_ambread_visit(&r, r.n, &q.q, tally, want_any, &f);
+        }
+        rad_ambread_release(&r);
+        if (ok && f.n == 0)
+            ck_abort_msg("allocation %lu: none serves", i);
+    }
+    fails_at = 0;
+    ck_assert_int_gt(failed, 10);
 }
 
 static void
