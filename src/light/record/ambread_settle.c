@@ -461,8 +461,9 @@ compare(const void *one, const void *other)
     return a->item < b->item ? -1 : a->item > b->item;
 }
 
-/* Empty the trees that have too many places; they are made of the records from
- * the returned index on, those in other trees left out. */
+/* Empty the trees that have too many places: large zones came behind small ones
+ * that their cells were divided for.  They are made of the records from the
+ * returned index on, those in other trees left out. */
 static size_t
 empty_wasteful(struct rad_ambread *r)
 {

@@ -624,6 +624,36 @@ TEST(settling_without_memory_fails)
     ck_assert_int_gt(failed, 10);
 }
 
+/* Of a floor, whose leaves small zones were shared out among, each large zone
+ * touches many. */
+TEST(large_zones_that_come_last_are_not_in_all_small_leaves)
+{
+    struct rad_ambread r;
+    bool ok = true;
+
+    rad_ambread_init(&r, org, SIDE);
+    for (int i = 0; i < RECORDS; i++) {
+        double reach = SIDE * (i < RECORDS / 4 * 3 ? 1e-4 : .5);
+        struct sample *s = &sample[i];
+
+        *s = invent(rad_key_branch(1, (uint64_t)i));
+        s->rec = (struct rad_ambrec){
+            .p = { s->rec.p[0], s->rec.p[1], org[2] + SIDE / 2 },
+            .n = { 0, 0, 1 },
+            .u = { 1, 0, 0 },
+            .E.g = (float)i,
+        };
+        s->zone = (struct rad_ambzone){ reach, reach / 2, 0 };
+        ok &= rad_ambread_add(&r, &s->rec);
+        if (i % 100 == 99)
+            ok &= rad_ambread_settle(&r, zone_of, NULL);
+    }
+    ok &= rad_ambread_settle(&r, zone_of, NULL);
+    ck_assert(ok);
+    ck_assert_uint_lt(rad_ambread_bytes(&r), 300 * r.n);
+    rad_ambread_release(&r);
+}
+
 static void
 trace_room(struct world *w)
 {
