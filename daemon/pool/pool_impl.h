@@ -141,8 +141,7 @@ void pool_unit_work(struct renderer *by, struct active *u);
 
 /* Count the time up to now in which idle threads waited for tops. */
 void pool_settle_waits_locked(struct pool *p);
-/* Tell the machine how far each pass is, and its team what the machine wants.
- */
+/* Tell the machine how far each pass is, and its team what that wants. */
 void pool_look_locked(struct pool *p);
 /* Strict units changed: wake threads, and the loop to send messages. */
 void pool_changed_locked(struct pool *p);

@@ -46,8 +46,7 @@ take_queued_locked(struct pool *p)
     return q;
 }
 
-/* Strict work at least as urgent as `least`: a pass to begin, or to help with.
- */
+/* Strict work at least as urgent as `least`: a pass to begin or help with. */
 static bool
 find_strict_locked(struct pool *p, enum strict_rank least, struct work *w)
 {

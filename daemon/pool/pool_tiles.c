@@ -45,8 +45,8 @@ pool_tile_free(struct pool_tile *t)
     free(t);
 }
 
-/* Keep the ends of the tile's paths in place of records; false: stopped, or out
- * of memory. */
+/* Keep the ends of the tile's paths, not records; false: stopped, or no memory
+ */
 static bool
 keep_walk(struct renderer *by, const struct rad_pass *pass,
           const _Atomic bool *stop, struct pool_tile *t)
@@ -308,7 +308,8 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
         pool_is_estimating_locked(p))
         return find_todo_locked(k, w);
     w->frozen = k->frozen;
-    k->frozen = k->frozen->next;
+    k->frozen = w->frozen->next;
+    w->frozen->next = NULL;
     if (!k->frozen)
         k->frozen_end = &k->frozen;
     k->state = POOL_CACHE_CHANGED;
@@ -365,30 +366,33 @@ pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool tells_colours)
     return true;
 }
 
-/* List a pass for the cache, or a change of options: a thread does it when none
- * is at work. */
-static void
-push_frozen_locked(struct pool *p, struct pool_frozen *f)
+/* List a copy of *as, a pass for the cache or a change of options: a thread
+ * does it when none is at work.  False: out of memory, and nothing is locked.
+ */
+static bool
+push_frozen_and_lock(struct pool *p, const struct pool_frozen *as)
 {
+    struct pool_frozen *f = malloc(sizeof *f);
+
+    if (!f)
+        return false;
+    *f = *as;
+    uv_mutex_lock(&p->mu);
     *p->tiling.frozen_end = f;
     p->tiling.frozen_end = &f->next;
     uv_cond_broadcast(&p->work);
+    return true;
 }
 
 bool
 pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
             struct rad_pass_spot *spot)
 {
+    struct pool_frozen f = { .rec = rec, .n = n, .spot = spot };
     struct pool_tiling *k = &p->tiling;
-    struct pool_frozen *f = calloc(1, sizeof *f);
 
-    if (!f)
+    if (!push_frozen_and_lock(p, &f))
         return false;
-    f->rec = rec;
-    f->n = n;
-    f->spot = spot;
-    uv_mutex_lock(&p->mu);
-    push_frozen_locked(p, f);
     atomic_store(&k->stop[k->closed % MSG_OPEN_PASSES], true);
     k->closed++;
     drop_tiles_locked(k);
@@ -399,16 +403,12 @@ pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
 bool
 pool_show(struct pool *p, struct rad_job *job, int samples)
 {
-    struct pool_frozen *f = calloc(1, sizeof *f);
+    struct pool_frozen f = { .job = job, .samples = samples };
+    bool ok = push_frozen_and_lock(p, &f);
 
-    if (!f)
-        return false;
-    f->job = job;
-    f->samples = samples;
-    uv_mutex_lock(&p->mu);
-    push_frozen_locked(p, f);
-    uv_mutex_unlock(&p->mu);
-    return true;
+    if (ok)
+        uv_mutex_unlock(&p->mu);
+    return ok;
 }
 
 int
@@ -432,29 +432,20 @@ pool_give_tiles(struct pool *p, struct rad_error *err)
     return rc;
 }
 
-static void
-free_tiles(struct pool_tile *t)
-{
-    while (t) {
-        struct pool_tile *next = t->next;
-
-        pool_tile_free(t);
-        t = next;
-    }
-}
-
 void
 pool_release_tiles(struct pool *p)
 {
     struct pool_tiling *k = &p->tiling;
+    struct pool_tile *t;
+    struct pool_frozen *f;
 
-    free_tiles(k->todo);
-    free_tiles(k->made);
-    if (k->settled)
-        free_frozen(k->settled);
-    while (k->frozen) {
-        struct pool_frozen *f = k->frozen;
-
+    *k->todo_end = k->made;
+    while ((t = k->todo)) {
+        k->todo = t->next;
+        pool_tile_free(t);
+    }
+    *k->frozen_end = k->settled;
+    while ((f = k->frozen)) {
         k->frozen = f->next;
         free_frozen(f);
     }

@@ -10,7 +10,7 @@
 
 struct renderer;
 
-/* The records of a closed pass; or how pictures are made, when all are closed.
+/* The records of a closed pass; or how pictures are made, once all are closed
  */
 struct pool_frozen {
     struct pool_frozen *next;
@@ -39,8 +39,7 @@ struct pool_tiling {
     uint32_t npasses;            /* [mu] length of plan */
     pool_tile_fn *fn;            /* [loop] */
     uint32_t open;               /* [mu] passes that are in the cache */
-    uint32_t closed;             /* [mu] passes that are closed; those not in
-                                  * the cache yet are in `frozen' */
+    uint32_t closed;             /* [mu] in the cache, or still in `frozen' */
     uint32_t begun[MSG_OPEN_PASSES]; /* [mu] by pass number modulo: 1 + number
                                       * of the pass that was begun last */
     enum pool_cache state;           /* [mu] */
@@ -52,13 +51,11 @@ struct pool_tiling {
     struct pool_tile *todo, **todo_end; /* [mu] */
     struct pool_frozen *frozen, **frozen_end; /* [mu] passes for the cache */
     struct pool_tile *made;                   /* [mu] tiles for the loop */
-    struct msg_counts dropped;                /* [mu] work in no tile's counts
-                                               */
+    struct msg_counts dropped;                /* [mu] in no tile's counts */
     struct rad_error err;                     /* [mu] the job cannot go on */
 };
 
-/* A thread's work on the passes: one of the pointers is set, or none for a
- * piece. */
+/* A thread's work: one of the pointers is set, or none for a piece. */
 struct pool_tile_work {
     struct pool_frozen *frozen;    /* close this pass, or show */
     struct pool_tile *tile;        /* make this tile */
