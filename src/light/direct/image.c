@@ -2,9 +2,9 @@
  *
  * Images are made level by level: first those of the sources, then images of
  * these images, and so on.  A mirror relays every source or image that may
- * shine on it.  These tests only save work: an image that no light comes from
- * would add nothing.  The tests of -dp (pretest.c) change the picture: they
- * drop images that no test ray reaches.  */
+ * shine on it.  These tests, but for is_across(), only save work: an image that
+ * no light comes from would add nothing.  The tests of -dp (pretest.c) change
+ * the picture: they drop images that no test ray reaches.  */
 #include "config.h"
 
 #include "light/direct/image.h"
@@ -184,6 +184,27 @@ local_meets(const struct rad_source *root, const struct rad_virtual *v,
            spot_meets(root, aim, to, m->radius);
 }
 
+/* Does the plane of a prism pass through source or image i, which is not
+ * distant?  The way from its centre to the prism's then all but lies in that
+ * plane, and turned as the functions say it would give an image anywhere. */
+static bool
+is_across(const struct rad_sources *s, int32_t i, const struct rad_mirror *m)
+{
+    const struct rad_source *root = rad_source_root(s, i);
+    const struct rad_virtual *v = rad_source_virtual(s, i);
+    double extent = 0, axis[3];
+
+    for (int k = 0; k < (root->flags & RAD_LIGHT_FLAT ? 2 : 3); k++) {
+        if (v && v->bend)
+            rad_bend_direction(v->bend, root->axis[k], axis);
+        else
+            rad_virtual_turn(v, root->axis[k], axis);
+        extent += fabs(rad_dot(m->normal, axis));
+    }
+    return fabs(rad_dot(m->normal, v ? v->image : root->centre) - m->offset) <
+           extent;
+}
+
 static bool
 may_relay(const struct rad_sources *s, int32_t i, const struct rad_mirror *m)
 {
@@ -197,8 +218,8 @@ may_relay(const struct rad_sources *s, int32_t i, const struct rad_mirror *m)
     if (v && !(rad_dot(v->normal, m->centre) - v->offset >
                -reach(v->normal, m->normal, m->radius)))
         return false;
-    if (m->prism != RAD_VOID)
-        return true; /* a prism sends light where its functions say */
+    if (m->prism != RAD_VOID) /* it sends light where its functions say */
+        return root->flags & RAD_LIGHT_DISTANT || !is_across(s, i, m);
     if (root->flags & RAD_LIGHT_DISTANT)
         return rad_dot(m->normal, image) > -root->radius;
     return local_meets(root, v, image, m);

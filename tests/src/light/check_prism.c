@@ -216,6 +216,25 @@ LOOP_TEST(flat_lamp_keeps_its_area, N_ELEM(pretest))
                             1e-8);
 }
 
+/* A lamp that looks down, on both sides of the plane of an upright prism below
+ * it; farther from that plane the lamp has an image. */
+LOOP_TEST(lamp_across_the_plane_of_a_prism_has_no_image, N_ELEM(pretest))
+{
+    static const double y[] = { .02, .6 };
+    char scene[1024];
+
+    for (int i = 0; i < 2; i++) {
+        snprintf(scene, sizeof scene,
+                 LAMP "lit polygon panel 0 0 12 1 %g 2 1 %g 2 2 %g 2 2 %g 2\n"
+                      "void prism1 p 5 .6 x y z f.cal 0 1 .2\n"
+                      "p polygon pane 0 0 12 -2 .02 0 2 .02 0 2 -.2 1.9 "
+                      "-2 -.2 1.9\n",
+                 y[i] - .3, y[i] + .3, y[i] + .3, y[i] - .3);
+        ck_assert_int_eq(images_of(scene, with(_i, DIRECT)) > 0, i);
+        world_tear_down();
+    }
+}
+
 /* From the ball to a mirror in the plane x = 1, from there at (2, 0, 2) to the
  * pane's middle, bent by .5; and all of it the other way round. */
 LOOP_TEST(prism_and_mirror_relay_each_other, N_ELEM(pretest))
