@@ -9,8 +9,9 @@
 
 /* The way that finds out whether something stands between two places rises to
  * this height over them, by their distance: so it passes over small objects,
- * which hide little from either place.  It begins and ends at the part ROUNDED
- * of that height, for a place may be behind its surface by rounding. */
+ * which hide little from either place.  A sensor's way begins and ends at the
+ * part ROUNDED of that height, for a place may be behind its surface by
+ * rounding. */
 #define LIFT    .05
 #define ROUNDED .01
 
@@ -60,6 +61,27 @@ place(const void *arg, uint32_t i, struct rad_smooth_place *p)
     set_place(arg, item_of(arg, i), p);
 }
 
+/* Does a surface stand on the straight way from one point to another? */
+static bool
+meets(const struct rad_geom *geom, const double from[3], const double to[3],
+      struct rad_geom_counts *counts)
+{
+    struct rad_span span = { .tmin = 0 };
+    struct rad_hit hit;
+
+    rad_copy(span.org, from);
+    rad_sub(span.dir, to, from);
+    span.tmax = rad_normalize(span.dir);
+    return rad_geom_nearest(geom, &span, &hit, counts);
+}
+
+static void
+set_over(double over[3], const double p[3], const float n[3], double height)
+{
+    for (int k = 0; k < 3; k++)
+        over[k] = p[k] + height * (double)n[k];
+}
+
 bool
 rad_ambsmooth_parted(const struct rad_geom *geom, const double p[3],
                      const float n[3], const double q[3], const float m[3],
@@ -67,35 +89,29 @@ rad_ambsmooth_parted(const struct rad_geom *geom, const double p[3],
 {
     double corner[4][3], lift = LIFT * sqrt(rad_dist2(p, q));
 
-    for (int k = 0; k < 3; k++) {
-        corner[0][k] = p[k] + ROUNDED * lift * (double)n[k];
-        corner[1][k] = p[k] + lift * (double)n[k];
-        corner[2][k] = q[k] + lift * (double)m[k];
-        corner[3][k] = q[k] + ROUNDED * lift * (double)m[k];
-    }
-    for (int i = 0; i < 3 && lift > 0; i++) {
-        struct rad_span span = { .tmin = 0 };
-        struct rad_hit hit;
-
-        rad_copy(span.org, corner[i]);
-        rad_sub(span.dir, corner[i + 1], corner[i]);
-        span.tmax = rad_normalize(span.dir);
-        if (rad_geom_nearest(geom, &span, &hit, counts))
-            return true;
-    }
-    return false;
+    set_over(corner[0], p, n, ROUNDED * lift);
+    set_over(corner[1], p, n, lift);
+    set_over(corner[2], q, m, lift);
+    set_over(corner[3], q, m, ROUNDED * lift);
+    return lift > 0 && (meets(geom, corner[0], corner[1], counts) ||
+                        meets(geom, corner[1], corner[2], counts) ||
+                        meets(geom, corner[2], corner[3], counts));
 }
 
-/* struct rad_smooth_source's.  These rays are in no statistics: their number
- * depends on which pixels a worker makes. */
+/* struct rad_smooth_source's.  Records lie on surfaces, so the way over these
+ * is enough.  Its rays are in no statistics: their number depends on which
+ * pixels a worker makes. */
 static bool
 are_parted(const void *arg, const struct rad_smooth_place *a,
            const struct rad_smooth_place *b)
 {
     const struct rad_ambsmooth *s = arg;
     struct rad_geom_counts counts = { 0, 0 };
+    double from[3], to[3], lift = LIFT * sqrt(rad_dist2(a->p, b->p));
 
-    return rad_ambsmooth_parted(s->geom, a->p, a->n, b->p, b->n, &counts);
+    set_over(from, a->p, a->n, lift);
+    set_over(to, b->p, b->n, lift);
+    return meets(s->geom, from, to, &counts);
 }
 
 bool
