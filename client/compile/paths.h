@@ -19,8 +19,7 @@ struct paths {
     char **folders; /* of the scene's files, without "." */
     int n;
     char *raypath;
-    struct inputs
-        *inputs; /* where files that are read are noted; may be NULL */
+    struct inputs *inputs; /* gets the files that are read; may be NULL */
 };
 
 /* Take RAYPATH from the environment. */

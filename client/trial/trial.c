@@ -151,8 +151,8 @@ trace_place(const struct rad_frame *f, struct rad_ctx *ctx, long k)
     rad_frame_pixel(f, ctx, x, y, &out);
 }
 
-/* Trace pixels all over the picture, until most of SECONDS are
- * over or a fair part of the pixels is traced. */
+/* Trace pixels all over the picture, until most of SECONDS are over or a fair
+ * part of the pixels is traced. */
 static int
 try_pixels(struct trial *t, struct stand *s, struct rad_error *err)
 {
