@@ -3,6 +3,7 @@
 
 #include "task.h"
 
+#include "base/list.h"
 #include "fibre.h"
 
 #include <stdio.h>
@@ -100,10 +101,8 @@ struct fibre *
 task_join(struct task *t)
 {
     struct fibre *f = fibre_new(work, t);
-    size_t n = (size_t)t->nfibres + 1;
 
-    t->fibre = realloc(t->fibre, n * sizeof *t->fibre);
-    if (!f || !t->fibre)
+    if (!f || !rad_list_grow(&t->fibre, (size_t)t->nfibres, sizeof *t->fibre))
         out_of_memory();
     t->fibre[t->nfibres++] = f;
     t->members++;

@@ -18,6 +18,7 @@
 #include "config.h"
 
 #include "light/record/ambread_impl.h"
+#include "base/list.h"
 #include "base/vec.h"
 
 #include <stdlib.h>
@@ -62,13 +63,13 @@ struct rad_ambread_settling {
     rad_ambread_zone_fn *zone;
     const void *arg;
     struct piece *piece;
-    size_t n, cap, at_most; /* pieces; records of one at most */
-    bool failed;            /* memory was out */
+    size_t n, at_most; /* pieces; records of one at most */
+    bool failed;       /* memory was out */
 };
 
 /* Trees or a piece that grow. */
 struct growth {
-    const struct rad_ambread *r;
+    struct rad_ambread *r;
     bool cuts;           /* leave small cells for pieces */
     struct extent *list; /* a stack: lists of the cells on the way down and of
                           * their parts */
@@ -400,15 +401,9 @@ cut(struct growth *g, const struct piece *as, size_t from)
     struct rad_ambread_settling *s = g->r->settling;
     struct piece *p;
 
-    if (s->n == s->cap) {
-        size_t cap = 2 * s->cap + PARTS;
-        struct piece *more = realloc(s->piece, cap * sizeof *more);
-
-        g->failed |= !more;
-        if (!more)
-            return;
-        s->piece = more;
-        s->cap = cap;
+    if (!rad_list_grow(&s->piece, s->n, sizeof *s->piece)) {
+        g->failed = true;
+        return;
     }
     p = &s->piece[s->n++];
     *p = *as;
@@ -485,7 +480,7 @@ empty_wasteful(struct rad_ambread *r)
 static void
 list_new(struct growth *g)
 {
-    struct rad_ambread *r = (struct rad_ambread *)g->r;
+    struct rad_ambread *r = g->r;
     const struct rad_ambread_settling *s = r->settling;
     size_t i = empty_wasteful(r);
 
@@ -508,7 +503,7 @@ list_new(struct growth *g)
 static void
 grow_trees(struct growth *g)
 {
-    struct rad_ambread *r = (struct rad_ambread *)g->r;
+    struct rad_ambread *r = g->r;
     struct spot whole = { .depth = 0 };
     size_t all = g->top;
 
