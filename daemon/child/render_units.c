@@ -122,37 +122,17 @@ begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
 {
     uint32_t frame;
 
-    if (m->type == MSG_FACTS)
-        frame = m->facts.frame;
-    else if (m->type == MSG_BASE_LINE)
-        frame = m->base_line.frame;
-    else if (m->type == MSG_GUESS)
-        frame = m->guess.frame;
-    else if (m->type == MSG_LOAN)
-        frame = m->loan.frame;
-    else
-        return 0;
-    if (frame >= r->nframes || (r->frame != r->nframes && frame < r->frame))
+    if (!strict_brings(m, &frame) || frame >= r->nframes ||
+        (r->frame != r->nframes && frame < r->frame))
         return 0;
     return begin_frame(r, frame, err);
-}
-
-/* Begin a loan.  A wrong LOAN is the fault of the worker that made it, so it
- * does not fail the job. */
-static void
-take_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
-{
-    if (strict_loan(s, m, err) != RAD_EPROTO)
-        return;
-    log_warn("loan refused: %s", err->what);
-    *err = (struct rad_error){ 0 };
 }
 
 void
 render_take_strict(struct render *r, const struct msg *m)
 {
     struct rad_error err = { 0 };
-    struct strict *s;
+    int rc;
 
     if (!r->strict)
         return;
@@ -160,39 +140,14 @@ render_take_strict(struct render *r, const struct msg *m)
         render_fail(r, &err);
         return;
     }
-    s = pool_lock_strict(r->pool);
-    switch (m->type) {
-    case MSG_SPLIT:
-        strict_split(s, m->split.unit, m->split.attempt);
-        break;
-    case MSG_YIELD:
-        strict_yield(s, m->yield.unit, m->yield.attempt);
-        break;
-    case MSG_LEND:
-        strict_lend(s, &m->lend);
-        break;
-    case MSG_LOAN:
-        r->twin = true;
-        take_loan(s, &m->loan, &err);
-        break;
-    case MSG_BACK:
-        strict_back(s, &m->back);
-        break;
-    case MSG_TWIN:
-        r->twin = true;
-        strict_twin(s, m->twin.unit, m->twin.attempt);
-        break;
-    case MSG_FACTS:
-        strict_facts(s, &m->facts);
-        break;
-    case MSG_GUESS:
-        strict_guess(s, &m->guess);
-        break;
-    default:
-        strict_base_line(s, &m->base_line);
-    }
+    r->twin |= m->type == MSG_LOAN || m->type == MSG_TWIN;
+    rc = strict_take(pool_lock_strict(r->pool), m, &err);
     pool_unlock_strict(r->pool);
-    if (err.code < 0)
+    /* a wrong LOAN is the fault of the worker that made it: it does not fail
+     * the job */
+    if (rc == RAD_EPROTO)
+        log_warn("loan refused: %s", err.what);
+    else if (rc < 0)
         render_fail(r, &err);
 }
 

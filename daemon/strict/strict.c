@@ -112,3 +112,62 @@ strict_dropped(const struct strict *s, struct msg_counts *out)
     out->nan = (struct msg_nan){ 0 };
     memset(out->faults, 0, sizeof out->faults);
 }
+
+int
+strict_take(struct strict *s, const struct msg *m, struct rad_error *err)
+{
+    int rc;
+
+    switch (m->type) {
+    case MSG_SPLIT:
+        strict_split(s, m->split.unit, m->split.attempt);
+        return 1;
+    case MSG_YIELD:
+        strict_yield(s, m->yield.unit, m->yield.attempt);
+        return 1;
+    case MSG_TWIN:
+        strict_twin(s, m->twin.unit, m->twin.attempt);
+        return 1;
+    case MSG_LEND:
+        strict_lend(s, &m->lend);
+        return 1;
+    case MSG_LOAN:
+        rc = strict_loan(s, &m->loan, err);
+        return rc < 0 ? rc : 1;
+    case MSG_BACK:
+        strict_back(s, &m->back);
+        return 1;
+    case MSG_FACTS:
+        strict_facts(s, &m->facts);
+        return 1;
+    case MSG_GUESS:
+        strict_guess(s, &m->guess);
+        return 1;
+    case MSG_BASE_LINE:
+        strict_base_line(s, &m->base_line);
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+bool
+strict_brings(const struct msg *m, uint32_t *frame)
+{
+    switch (m->type) {
+    case MSG_LOAN:
+        *frame = m->loan.frame;
+        return true;
+    case MSG_FACTS:
+        *frame = m->facts.frame;
+        return true;
+    case MSG_BASE_LINE:
+        *frame = m->base_line.frame;
+        return true;
+    case MSG_GUESS:
+        *frame = m->guess.frame;
+        return true;
+    default:
+        return false;
+    }
+}

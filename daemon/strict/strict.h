@@ -68,6 +68,14 @@ void strict_facts(struct strict *s, const struct msg_facts *m);
 void strict_guess(struct strict *s, const struct msg_guess *m);
 void strict_base_line(struct strict *s, const struct msg_base_line *m);
 
+/* Take one of these messages, but UNIT and REVOKE.  Returns 1; 0: the message
+ * is none of them; a code: a LOAN failed. */
+int strict_take(struct strict *s, const struct msg *m, struct rad_error *err);
+
+/* The frame whose lines a message brings: FACTS, BASE_LINE, GUESS, LOAN.  It
+ * may come before the frame's first UNIT.  False: it brings none. */
+bool strict_brings(const struct msg *m, uint32_t *frame);
+
 /* Tell the time [ms]; returns when to call again, with strict_look() for all
  * passes, or STRICT_NEVER.  Also call it after any other call that changes the
  * machine. */

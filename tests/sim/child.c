@@ -684,34 +684,16 @@ revoke(struct sim_child *k, const struct msg_attempt *r)
         strict_revoke(k->strict, r->unit, r->attempt);
 }
 
-/* The frame of a message of lines, if it begins that frame's work; -1: none. */
-static int
-begun_frame(const struct msg *m)
-{
-    switch (m->type) {
-    case MSG_LOAN:
-        return (int)m->loan.frame;
-    case MSG_FACTS:
-        return (int)m->facts.frame;
-    case MSG_BASE_LINE:
-        return (int)m->base_line.frame;
-    case MSG_GUESS:
-        return (int)m->guess.frame;
-    default:
-        return -1;
-    }
-}
-
 static void
 take_strict(struct net *net, int node, const struct msg *m)
 {
-    int frame = begun_frame(m);
+    uint32_t frame;
 
     SIM_CHECK(net, sim_child_of(net, node)->strict != NULL);
     sim_of(net)->yields += m->type == MSG_YIELD;
     sim_of(net)->twins += m->type == MSG_TWIN;
-    if (frame >= 0)
-        begin_lines(net, node, (uint32_t)frame);
+    if (strict_brings(m, &frame))
+        begin_lines(net, node, frame);
     SIM_CHECK(net, task_message(sim_child_of(net, node)->strict, m));
 }
 

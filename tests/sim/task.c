@@ -179,36 +179,9 @@ task_release(struct task *t)
 bool
 task_message(struct strict *s, const struct msg *m)
 {
-    switch (m->type) {
-    case MSG_SPLIT:
-        strict_split(s, m->split.unit, m->split.attempt);
-        return true;
-    case MSG_YIELD:
-        strict_yield(s, m->yield.unit, m->yield.attempt);
-        return true;
-    case MSG_TWIN:
-        strict_twin(s, m->twin.unit, m->twin.attempt);
-        return true;
-    case MSG_LEND:
-        strict_lend(s, &m->lend);
-        return true;
-    case MSG_LOAN:
-        if (strict_loan(s, &m->loan, NULL) < 0)
-            abort();
-        return true;
-    case MSG_BACK:
-        strict_back(s, &m->back);
-        return true;
-    case MSG_FACTS:
-        strict_facts(s, &m->facts);
-        return true;
-    case MSG_GUESS:
-        strict_guess(s, &m->guess);
-        return true;
-    case MSG_BASE_LINE:
-        strict_base_line(s, &m->base_line);
-        return true;
-    default:
-        return false;
-    }
+    int rc = strict_take(s, m, NULL);
+
+    if (rc < 0)
+        abort();
+    return rc > 0;
 }
