@@ -178,33 +178,39 @@ alive(struct submit *s)
     return rc;
 }
 
+/* No picture is ready: see whether --wait is over, get the preview, and take
+ * the next message. */
+static int
+await_picture(struct submit *s)
+{
+    const struct msg *m;
+    bool queued = true;
+    int rc;
+
+    if (waited_for_worker(s) && (rc = in_queue(s, &queued)) < 0)
+        return rc;
+    if (!queued)
+        return no_worker(s);
+    if ((rc = submit_preview(s)) < 0 || (rc = submit_next(s, &m)) < 0 ||
+        (rc = submit_ask_reason(s)) < 0)
+        return rc;
+    return rc == 0 ? alive(s) : 0;
+}
+
 /* Get pictures until the last has come. */
 static int
 watch(struct submit *s)
 {
     const struct msg *m;
-    bool queued;
     int rc;
 
     while (s->delivered < s->job->spec->nframes) {
         if (*s->where.wake == 1)
             return submit_cancel(s);
-        if (s->done || s->last.frames_ready > s->delivered) {
-            if ((rc = submit_deliver_frame(s)) < 0)
-                return rc;
-            continue;
-        }
-        if (waited_for_worker(s)) {
-            if ((rc = in_queue(s, &queued)) < 0)
-                return rc;
-            if (!queued)
-                return no_worker(s);
-        }
-        if ((rc = submit_preview(s)) < 0)
-            return rc;
-        if ((rc = submit_next(s, &m)) < 0 || (rc = submit_ask_reason(s)) < 0)
-            return rc;
-        if (rc == 0 && (rc = alive(s)) < 0)
+        rc = s->done || s->last.frames_ready > s->delivered
+                 ? submit_deliver_frame(s)
+                 : await_picture(s);
+        if (rc < 0)
             return rc;
     }
     while (!s->done) /* the last picture may come before DONE */

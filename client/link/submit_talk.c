@@ -47,46 +47,48 @@ is_refusal(const struct submit *s, const struct msg_failed *m)
     return s->stage < STAGE_KNOWN && m->status == EX_TEMPFAIL;
 }
 
+static void
+take_progress(struct submit *s, const struct msg_progress *m)
+{
+    s->last = *m;
+    if (memcmp(m->job, s->job->spec->job, MSG_JOB) == 0)
+        submit_reach(s, STAGE_KNOWN);
+    /* it may have begun and left between two reports */
+    if (m->workers > 0 || m->state == MSG_STATE_RUNNING)
+        s->met_worker = true;
+    if (s->wait_ms == 0 || m->state == MSG_STATE_HELD ||
+        m->state == MSG_STATE_PAUSED)
+        s->wait_ms = submit_now_ms(s); /* no worker can come meanwhile */
+    if (s->cb->progress)
+        s->cb->progress(s->cb->arg, m);
+}
+
+static int
+take_failed(struct submit *s, const struct msg *m)
+{
+    if ((s->fetching && m->request == s->request) ||
+        (s->cancelled && s->done)) /* it ended before CANCEL came */
+        return 0;
+    s->refused = is_refusal(s, &m->failed);
+    s->over = !s->refused;
+    if (s->cancelled)
+        return submit_interrupted(s);
+    return rad_fail(s->err, link_code(m->failed.status), "%s", m->failed.text);
+}
+
 static int
 take(struct submit *s, const struct msg *m)
 {
-    switch (m->type) {
-    case MSG_PROGRESS:
-        if (!is_ours(s, m->progress.job))
-            return 0;
-        s->last = m->progress;
-        if (memcmp(m->progress.job, s->job->spec->job, MSG_JOB) == 0)
-            submit_reach(s, STAGE_KNOWN);
-        /* it may have begun and left between two reports */
-        if (m->progress.workers > 0 || m->progress.state == MSG_STATE_RUNNING)
-            s->met_worker = true;
-        if (s->wait_ms == 0 || m->progress.state == MSG_STATE_HELD ||
-            m->progress.state == MSG_STATE_PAUSED)
-            s->wait_ms = submit_now_ms(s); /* no worker can come meanwhile */
-        if (s->cb->progress)
-            s->cb->progress(s->cb->arg, &m->progress);
-        return 0;
-    case MSG_RECORDS:
-        if (s->cb->records && is_ours(s, m->records.job))
-            s->cb->records(s->cb->arg, &m->records);
-        return 0;
-    case MSG_DONE:
+    if (m->type == MSG_PROGRESS && is_ours(s, m->progress.job))
+        take_progress(s, &m->progress);
+    else if (m->type == MSG_RECORDS && is_ours(s, m->records.job) &&
+             s->cb->records)
+        s->cb->records(s->cb->arg, &m->records);
+    else if (m->type == MSG_DONE)
         s->done |= is_ours(s, m->done.job);
-        return 0;
-    case MSG_FAILED:
-        if (!is_ours(s, m->failed.job) ||
-            (s->fetching && m->request == s->request) ||
-            (s->cancelled && s->done)) /* it ended before CANCEL came */
-            return 0;
-        s->refused = is_refusal(s, &m->failed);
-        s->over = !s->refused;
-        if (s->cancelled)
-            return submit_interrupted(s);
-        return rad_fail(s->err, link_code(m->failed.status), "%s",
-                        m->failed.text);
-    default:
-        return 0;
-    }
+    else if (m->type == MSG_FAILED && is_ours(s, m->failed.job))
+        return take_failed(s, m);
+    return 0;
 }
 
 int
