@@ -390,9 +390,6 @@ say_goal(struct program *p)
                               "other options, which the header names");
 }
 
-/* Less light than this share is lost in the error that is told. */
-#define LEAST_LEFT_OUT .01
-
 /* The last line. */
 void
 program_say_done(struct program *p)
@@ -406,7 +403,7 @@ program_say_done(struct program *p)
     else if (all->error > 0)
         snprintf(error, sizeof error, ", relative error about %s %%",
                  figure(percent, 100 * all->error, 2));
-    if (all->left_out >= LEAST_LEFT_OUT)
+    if (all->left_out >= MSG_LEFT_OUT_TOLD)
         snprintf(left_out, sizeof left_out,
                  "; -ab %d leaves out about %s %% of the light",
                  p->o.params.ambounce, figure(percent, 100 * all->left_out, 2));

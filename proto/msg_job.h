@@ -100,6 +100,10 @@ struct msg_fault {
 #define MSG_STATE_CANCELLED 5
 #define MSG_STATE_HELD      6
 
+/* A share of the light that -ab leaves out is told to people from here on: less
+ * is lost in the error that is told beside it. */
+#define MSG_LEFT_OUT_TOLD .01
+
 struct msg_progress {
     const uint8_t *job; /* zero: the job is not accepted yet */
     uint8_t state;      /* enum job_state of daemon/jobs/job.h: 0 waiting,

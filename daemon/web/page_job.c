@@ -56,7 +56,7 @@ put_error(struct markup *m, const struct watch *w)
     markup_print(m, "%.2g %%", 100 * error);
     if (goal > 0)
         markup_print(m, " <span class=\"dim\">of %.2g %%</span>", 100 * goal);
-    if (left_out >= .01)
+    if (left_out >= MSG_LEFT_OUT_TOLD)
         markup_print(m,
                      " <span class=\"dim\">and %.2g %% of the light "
                      "left out by -ab</span>",
