@@ -55,6 +55,24 @@ grow(struct reading *r, void *p, size_t size, size_t n)
     return 0;
 }
 
+/* Resize an array that only some patches need: if it is not there yet, once one
+ * of them comes; the vertices before it have zeros. */
+static int
+grow_some(struct reading *r, void *p, size_t size, size_t n, bool needed)
+{
+    void *old, *fresh;
+
+    memcpy(&old, p, sizeof old);
+    if (!(old ? n > r->max_verts : needed))
+        return 0;
+    if (grow(r, p, size, n))
+        return r->f->rc;
+    memcpy(&fresh, p, sizeof fresh);
+    if (!old)
+        memset(fresh, 0, r->mesh->nverts * size);
+    return 0;
+}
+
 static int
 reserve_verts(struct reading *r, uint32_t n, bool normals, bool uv)
 {
@@ -64,24 +82,10 @@ reserve_verts(struct reading *r, uint32_t n, bool normals, bool uv)
 
     if (max > UINT32_MAX / 4) /* the limit on patches excludes this */
         return rad_octin_bad(r->f, "too many vertices");
-    if (more && grow(r, &m->xyz, sizeof *m->xyz, max))
+    if ((more && grow(r, &m->xyz, sizeof *m->xyz, max)) ||
+        grow_some(r, &m->normals, sizeof *m->normals, max, normals) ||
+        grow_some(r, &m->uv, sizeof *m->uv, max, uv))
         return r->f->rc;
-    if ((m->normals && more) || (normals && !m->normals)) {
-        bool fresh = !m->normals;
-
-        if (grow(r, &m->normals, sizeof *m->normals, max))
-            return r->f->rc;
-        if (fresh)
-            memset(m->normals, 0, m->nverts * sizeof *m->normals);
-    }
-    if ((m->uv && more) || (uv && !m->uv)) {
-        bool fresh = !m->uv;
-
-        if (grow(r, &m->uv, sizeof *m->uv, max))
-            return r->f->rc;
-        if (fresh)
-            memset(m->uv, 0, m->nverts * sizeof *m->uv);
-    }
     r->max_verts = max;
     return 0;
 }

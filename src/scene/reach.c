@@ -69,6 +69,24 @@ reach_surfaces(const struct rad_scene *s, int32_t first, int32_t n,
             reached[i] = 1;
 }
 
+/* Mark the modifiers that object i names. */
+static void
+reach_modifiers(const struct rad_scene *s, int32_t i, uint8_t *reached)
+{
+    const struct rad_object *o = &s->objects[i];
+
+    if (o->modifier != RAD_VOID)
+        reached[o->modifier] = 1;
+    for (int k = 0; k < o->nstrings && named_strings(o) >> k; k++) {
+        int32_t named = RAD_VOID;
+
+        if (named_strings(o) >> k & 1)
+            named = rad_scene_find_modifier(s, o->strings[k], i);
+        if (named != RAD_VOID)
+            reached[named] = 1;
+    }
+}
+
 /* An object refers only to objects before it, so a pass downwards is enough. */
 void
 rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
@@ -81,22 +99,9 @@ rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
         if (!parts || parts[i]) /* if memory is out, every part */
             reach_surfaces(s, s->parts[i]->first, s->parts[i]->n, reached);
     free(parts);
-    for (int32_t i = s->nobjects; i-- > 0;) {
-        const struct rad_object *o = &s->objects[i];
-
-        if (!reached[i])
-            continue;
-        if (o->modifier != RAD_VOID)
-            reached[o->modifier] = 1;
-        for (int k = 0; k < o->nstrings && named_strings(o) >> k; k++) {
-            int32_t named = RAD_VOID;
-
-            if (named_strings(o) >> k & 1)
-                named = rad_scene_find_modifier(s, o->strings[k], i);
-            if (named != RAD_VOID)
-                reached[named] = 1;
-        }
-    }
+    for (int32_t i = s->nobjects; i-- > 0;)
+        if (reached[i])
+            reach_modifiers(s, i, reached);
 }
 
 void

@@ -424,6 +424,31 @@ set_radiance(const struct rad_job *job, struct rad_virtual *v)
         v->L = rad_rgb_mul(from ? from->L : root->L, color);
 }
 
+/* Make room for another image. */
+static int
+reserve_image(struct maker *mk, struct rad_error *err)
+{
+    struct rad_sources *s = mk->s;
+    int32_t cap = mk->capacity ? 2 * mk->capacity : 16;
+    struct rad_virtual *more;
+
+    if (s->nvirtuals == RAD_MAX_VIRTUALS)
+        return rad_fail(err, RAD_EDATA,
+                        "more than %d images of light sources in mirrors; "
+                        "lower -dr",
+                        RAD_MAX_VIRTUALS);
+    if (s->nvirtuals < mk->capacity)
+        return 0;
+    more = rad_arena_alloc(&mk->job->arena, (size_t)cap * sizeof *more);
+    if (!more)
+        return rad_fail_memory(err);
+    if (s->nvirtuals > 0)
+        memcpy(more, s->virtuals, (size_t)s->nvirtuals * sizeof *more);
+    s->virtuals = more;
+    mk->capacity = cap;
+    return 0;
+}
+
 static int
 add_image(struct maker *mk, int32_t from, const struct rad_mirror *m, int way,
           const struct fold *f, struct rad_error *err)
@@ -432,24 +457,10 @@ add_image(struct maker *mk, int32_t from, const struct rad_mirror *m, int way,
     const struct rad_virtual *before;
     struct rad_bend *bend = NULL;
     struct rad_virtual *v;
+    int rc = reserve_image(mk, err);
 
-    if (s->nvirtuals == RAD_MAX_VIRTUALS)
-        return rad_fail(err, RAD_EDATA,
-                        "more than %d images of light sources in mirrors; "
-                        "lower -dr",
-                        RAD_MAX_VIRTUALS);
-    if (s->nvirtuals == mk->capacity) {
-        int32_t cap = mk->capacity ? 2 * mk->capacity : 16;
-        struct rad_virtual *more =
-            rad_arena_alloc(&mk->job->arena, (size_t)cap * sizeof *more);
-
-        if (!more)
-            return rad_fail_memory(err);
-        if (s->nvirtuals > 0)
-            memcpy(more, s->virtuals, (size_t)s->nvirtuals * sizeof *more);
-        s->virtuals = more;
-        mk->capacity = cap;
-    }
+    if (rc < 0)
+        return rc;
     before = rad_source_virtual(s, from);
     if (m->prism != RAD_VOID || (before && before->bend)) {
         bend = rad_arena_alloc(&mk->job->arena, sizeof *bend);

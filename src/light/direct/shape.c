@@ -119,6 +119,31 @@ triangle_axes(struct rad_source *src, const double *v)
     rad_cross(src->axis[1], src->normal, src->axis[0]);
 }
 
+/* Set the patch that stands for the whole polygon; false: memory is out. */
+static bool
+set_root(struct rad_source *src, const double *v, int n,
+         struct rad_arena *arena)
+{
+    if (n == 4 && is_parallelogram(v)) {
+        for (int k = 0; k < 3; k++) {
+            src->root.a[k] = src->axis[0][k] / sqrt(3);
+            src->root.b[k] = src->axis[1][k] / sqrt(3);
+        }
+        rad_copy(src->root.c, src->centre);
+        rad_copy(src->root.aim, src->centre);
+        src->root.area = src->size;
+        return true;
+    }
+    src->tree = rad_polytree_new(v, n, src->normal, arena);
+    if (!src->tree)
+        return false;
+    src->root = src->tree->m;
+    /* as in rpict: aim at the mean of the corners, if that is inside */
+    if (rad_polytree_has(src->tree, src->centre, src->normal))
+        rad_copy(src->root.aim, src->centre);
+    return true;
+}
+
 static int
 polygon_shape(struct rad_source *src, const struct rad_object *o,
               struct rad_arena *arena)
@@ -140,23 +165,8 @@ polygon_shape(struct rad_source *src, const struct rad_object *o,
         triangle_axes(src, v);
     else
         square_axes(src, src->normal, src->size);
-    if (n == 4 && is_parallelogram(v)) {
-        for (int k = 0; k < 3; k++) {
-            src->root.a[k] = src->axis[0][k] / sqrt(3);
-            src->root.b[k] = src->axis[1][k] / sqrt(3);
-        }
-        rad_copy(src->root.c, src->centre);
-        rad_copy(src->root.aim, src->centre);
-        src->root.area = src->size;
-    } else {
-        src->tree = rad_polytree_new(v, n, src->normal, arena);
-        if (!src->tree)
-            return RAD_ENOMEM;
-        src->root = src->tree->m;
-        /* as in rpict: aim at the mean of the corners, if that is inside */
-        if (rad_polytree_has(src->tree, src->centre, src->normal))
-            rad_copy(src->root.aim, src->centre);
-    }
+    if (!set_root(src, v, n, arena))
+        return RAD_ENOMEM;
     rad_copy(src->axis[2], src->normal);
     for (int i = 0; i < n; i++)
         src->radius =

@@ -79,28 +79,48 @@ make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
     return 0;
 }
 
+/* Room for all sources that the scene may have; NULL: memory is out. */
+static struct rad_sources *
+make_room(struct rad_job *job)
+{
+    struct rad_sources *s = rad_arena_calloc(&job->arena, 1, sizeof *s);
+    size_t emitters = 0;
+
+    for (int32_t i = 0; i < rad_scene_own(job->scene); i++)
+        if (rad_emitter_of(job, i))
+            emitters++;
+    if (!s)
+        return NULL;
+    s->list = rad_arena_calloc(&job->arena, emitters, sizeof *s->list);
+    s->distant = rad_arena_calloc(&job->arena, emitters, sizeof *s->distant);
+    return s->list && s->distant ? s : NULL;
+}
+
+static void
+count(struct rad_sources *s, double shadcert)
+{
+    for (int32_t i = 0; i < s->n; i++) {
+        if (s->list[i].flags & RAD_LIGHT_DISTANT)
+            s->distant[s->ndistant++] = i;
+        if (!(s->list[i].flags & RAD_LIGHT_SKIP))
+            s->nlit++;
+    }
+    for (int32_t n = 0; n < RAD_FEW_SAMPLES; n++)
+        s->share[n] = rad_share_of(n, shadcert);
+}
+
 /* As in Radiance, emitters inside instances and meshes are seen by rays, but
  * are no sources. */
 struct rad_sources *
 rad_sources_new(struct rad_job *job, struct rad_error *err)
 {
-    const struct rad_scene *scene = job->scene;
-    struct rad_sources *s = rad_arena_calloc(&job->arena, 1, sizeof *s);
-    size_t emitters = 0;
+    struct rad_sources *s = make_room(job);
 
-    for (int32_t i = 0; i < rad_scene_own(scene); i++)
-        if (rad_emitter_of(job, i))
-            emitters++;
-    if (s) {
-        s->list = rad_arena_calloc(&job->arena, emitters, sizeof *s->list);
-        s->distant =
-            rad_arena_calloc(&job->arena, emitters, sizeof *s->distant);
-    }
-    if (!s || !s->list || !s->distant) {
+    if (!s) {
         rad_fail_memory(err);
         return NULL;
     }
-    for (int32_t i = 0; i < rad_scene_own(scene); i++) {
+    for (int32_t i = 0; i < rad_scene_own(job->scene); i++) {
         const struct rad_emitter *em = rad_emitter_of(job, i);
         struct rad_source *src = &s->list[s->n];
         int rc = em ? make_source(src, job, i, em, err) : 1;
@@ -115,14 +135,7 @@ rad_sources_new(struct rad_job *job, struct rad_error *err)
         rad_fail_memory(err);
         return NULL;
     }
-    for (int32_t i = 0; i < s->n; i++) {
-        if (s->list[i].flags & RAD_LIGHT_DISTANT)
-            s->distant[s->ndistant++] = i;
-        if (!(s->list[i].flags & RAD_LIGHT_SKIP))
-            s->nlit++;
-    }
-    for (int32_t n = 0; n < RAD_FEW_SAMPLES; n++)
-        s->share[n] = rad_share_of(n, job->params.shadcert);
+    count(s, job->params.shadcert);
     return s;
 }
 

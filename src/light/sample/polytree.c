@@ -117,8 +117,31 @@ cut_ears(struct corners *c, int n, struct rad_polytree *leaves)
     return nleaves;
 }
 
-/* Moments of two coplanar patches together; a and b are the Cholesky factors of
- * their covariance. */
+/* Set a and b to the Cholesky factors of a covariance of rank two: pivot on the
+ * largest variance, then on the largest that remains. */
+static void
+factor(double a[3], double b[3], double cov[3][3])
+{
+    memset(a, 0, 3 * sizeof *a);
+    memset(b, 0, 3 * sizeof *b);
+    for (int step = 0; step < 2; step++) {
+        double *axis = step ? b : a;
+        int k = 0;
+
+        for (int i = 1; i < 3; i++)
+            if (cov[i][i] > cov[k][k])
+                k = i;
+        if (!(cov[k][k] > 0))
+            break;
+        for (int i = 0; i < 3; i++)
+            axis[i] = cov[i][k] / sqrt(cov[k][k]);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                cov[i][j] -= axis[i] * axis[j];
+    }
+}
+
+/* Moments of two coplanar patches together. */
 static void
 join_moments(struct rad_moments *m, const struct rad_moments *p,
              const struct rad_moments *q)
@@ -136,25 +159,7 @@ join_moments(struct rad_moments *m, const struct rad_moments *p,
     for (int i = 0; i < 3; i++)
         m->c[i] = w[0] * p->c[i] + w[1] * q->c[i];
     m->area = p->area + q->area;
-    /* rank two: pivot on the largest variance, then on the largest that remains
-     */
-    memset(m->a, 0, sizeof m->a);
-    memset(m->b, 0, sizeof m->b);
-    for (int step = 0; step < 2; step++) {
-        double *axis = step ? m->b : m->a;
-        int k = 0;
-
-        for (int i = 1; i < 3; i++)
-            if (cov[i][i] > cov[k][k])
-                k = i;
-        if (!(cov[k][k] > 0))
-            break;
-        for (int i = 0; i < 3; i++)
-            axis[i] = cov[i][k] / sqrt(cov[k][k]);
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                cov[i][j] -= axis[i] * axis[j];
-    }
+    factor(m->a, m->b, cov);
 }
 
 bool
@@ -174,19 +179,13 @@ rad_polytree_has(const struct rad_polytree *t, const double p[3],
     return u >= 0 && v >= 0 && u + v <= 2 * t->m.area;
 }
 
-/* Group n leaves under one node, which is taken from *spare.  The node's aim is
- * its centroid if that lies in a triangle, else the largest triangle's. */
-static const struct rad_polytree *
-group(struct rad_polytree *leaves, int n, struct rad_polytree **spare,
-      const double normal[3])
+/* The axis along which the leaves' centres reach farthest. */
+static int
+widest_axis(const struct rad_polytree *leaves, int n)
 {
-    struct rad_polytree *node;
-    const struct rad_polytree *big = leaves;
     double lo[3], hi[3];
     int axis = 0;
 
-    if (n == 1)
-        return leaves;
     rad_copy(lo, leaves[0].m.c);
     rad_copy(hi, leaves[0].m.c);
     for (int i = 1; i < n; i++)
@@ -197,7 +196,13 @@ group(struct rad_polytree *leaves, int n, struct rad_polytree **spare,
     for (int k = 1; k < 3; k++)
         if (hi[k] - lo[k] > hi[axis] - lo[axis])
             axis = k;
-    /* insertion sort: lights have few corners */
+    return axis;
+}
+
+/* Sort leaves by their centres, by insertion: lights have few corners. */
+static void
+sort_along(struct rad_polytree *leaves, int n, int axis)
+{
     for (int i = 1; i < n; i++)
         for (int j = i; j > 0 && leaves[j].m.c[axis] < leaves[j - 1].m.c[axis];
              j--) {
@@ -206,6 +211,20 @@ group(struct rad_polytree *leaves, int n, struct rad_polytree **spare,
             leaves[j] = leaves[j - 1];
             leaves[j - 1] = t;
         }
+}
+
+/* Group n leaves under one node, which is taken from *spare.  The node's aim is
+ * its centroid if that lies in a triangle, else the largest triangle's. */
+static const struct rad_polytree *
+group(struct rad_polytree *leaves, int n, struct rad_polytree **spare,
+      const double normal[3])
+{
+    struct rad_polytree *node;
+    const struct rad_polytree *big = leaves;
+
+    if (n == 1)
+        return leaves;
+    sort_along(leaves, n, widest_axis(leaves, n));
     node = (*spare)++;
     memset(node, 0, sizeof *node);
     node->kid[0] = group(leaves, n / 2, spare, normal);

@@ -22,12 +22,10 @@ struct reader {
     int line;
 };
 
-/* Read the next integer.  1: found, 0: end of the text, negative: no number. */
-static int
-next_int(struct reader *in, int *value)
+/* Skip white space and comments. */
+static void
+skip_space(struct reader *in)
 {
-    int digits = 0, sign = 1, v = 0;
-
     while (in->p < in->end &&
            (isspace((unsigned char)*in->p) || *in->p == '#')) {
         if (*in->p == '#')
@@ -36,6 +34,15 @@ next_int(struct reader *in, int *value)
         else if (*in->p++ == '\n')
             in->line++;
     }
+}
+
+/* Read the next integer.  1: found, 0: end of the text, negative: no number. */
+static int
+next_int(struct reader *in, int *value)
+{
+    int digits = 0, sign = 1, v = 0;
+
+    skip_space(in);
     if (in->p == in->end)
         return 0;
     if (*in->p == '-' || *in->p == '+')
