@@ -92,15 +92,33 @@ on_reason(void *arg, const char *why)
 
 /* --- the job --- */
 
+static struct submit_callbacks
+callbacks_of(struct program *p)
+{
+    bool embedded = p->cluster.embedded;
+    bool asks_stats = p->o.stats || submit_options_goal(&p->o);
+
+    return (struct submit_callbacks){
+        .say = program_say,
+        .accepted = on_accepted,
+        .progress = on_progress,
+        .wonders = on_wonders,
+        .frame = program_on_frame,
+        .preview = p->o.preview ? program_on_preview : NULL,
+        .reuse = p->o.reuse ? on_reuse : NULL,
+        .stats = asks_stats ? program_on_stats : NULL,
+        .records = p->records.keep ? on_records : NULL,
+        .reason = !embedded || p->cluster.launch ? on_reason : NULL,
+        .alive = embedded ? program_cluster_alive : NULL,
+        .gathered = embedded ? program_cluster_gathered : NULL,
+        .arg = p
+    };
+}
+
 static int
 converse(struct program *p)
 {
-    struct submit_callbacks cb = { .say = program_say,
-                                   .accepted = on_accepted,
-                                   .progress = on_progress,
-                                   .wonders = on_wonders,
-                                   .frame = program_on_frame,
-                                   .arg = p };
+    struct submit_callbacks cb = callbacks_of(p);
     struct submit_job job = { .spec = &p->job.spec,
                               .cargo = &p->cargo,
                               .to = p->cluster.target,
@@ -109,26 +127,14 @@ converse(struct program *p)
                               .detach = p->o.detach };
     int rc;
 
-    if (p->o.preview)
-        cb.preview = program_on_preview;
-    if (p->o.reuse)
-        cb.reuse = on_reuse;
-    if (p->o.stats || submit_options_goal(&p->o))
-        cb.stats = program_on_stats;
-    if (p->records.keep)
-        cb.records = on_records;
-    if (!p->cluster.embedded || p->cluster.launch)
-        cb.reason = on_reason;
-    if (p->cluster.embedded) {
-        cb.alive = program_cluster_alive;
-        cb.gathered = program_cluster_gathered;
-    }
-    rc = p->stream.is ? program_run_stream(p, &job, &cb)
-         : p->planes.n > 0
-             ? program_run_planes(p, &job, &cb)
-             : submit_run(&job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
-    if (!p->stream.is && p->planes.n == 0)
+    if (p->stream.is) {
+        rc = program_run_stream(p, &job, &cb);
+    } else if (p->planes.n > 0) {
+        rc = program_run_planes(p, &job, &cb);
+    } else {
+        rc = submit_run(&job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
         program_end_job(p);
+    }
     if (rc == 0)
         rc = records_write(&p->records, !p->cluster.embedded, p->err);
     if (rc == 0 && p->preview.why.code != 0) {

@@ -170,6 +170,24 @@ compile_files(struct compiled *c)
 
 /* --- files that the scene needs --- */
 
+/* Report that a file of object i failed, as `why` says: if no surface uses the
+ * object, as a warning.  Returns the code of a failure, or 0. */
+static int
+file_failed(const struct compiled *c, const struct reading *r, int32_t i,
+            bool used, const struct rad_error *why, struct rad_error *err)
+{
+    struct rad_error now = { 0 };
+
+    rad_scene_fail(c->scene, &c->scene->objects[i], &now,
+                   used ? why->code : RAD_WARNING, "%s%s", why->what,
+                   used ? "" : "; no surface uses it");
+    if (r->each)
+        r->each(r->arg, &now);
+    if (used && err && err->code == 0)
+        *err = now;
+    return used ? now.code : 0;
+}
+
 /* Call `visit` for each file name of each object that a surface uses; the first
  * failure is returned.  If all errors are wanted (r->each) the visit goes on
  * after a failure, and missing files of unused objects are warned of. */
@@ -192,22 +210,14 @@ visit_files(struct compiled *c, const struct reading *r,
         for (int k = 0; (reached[i] || r->each) &&
                         (name = rad_object_file(&s->objects[i], k));
              k++) {
-            struct rad_error why = { 0 }, now = { 0 };
+            struct rad_error why = { 0 };
+            int rc = 0;
 
-            if (strcmp(name, last) == 0 || visit(c, name, dir, &why) == 0) {
+            if (strcmp(name, last) == 0 || visit(c, name, dir, &why) == 0)
                 last = name;
-                continue;
-            }
-            rad_scene_fail(s, &s->objects[i], &now,
-                           reached[i] ? why.code : RAD_WARNING, "%s%s",
-                           why.what, reached[i] ? "" : "; no surface uses it");
-            if (r->each)
-                r->each(r->arg, &now);
-            if (!reached[i])
-                continue;
-            if (!first && err && err->code == 0)
-                *err = now;
-            first = first ? first : now.code;
+            else
+                rc = file_failed(c, r, i, reached[i], &why, err);
+            first = first ? first : rc;
         }
     free(reached);
     return first;

@@ -563,11 +563,46 @@ begin_launched(struct radd *r, struct rad_error *err)
     return 0;
 }
 
+/* Find the key, the coordinator's address and this worker's name. */
+static int
+find_identity(struct radd *r, struct rad_error *err)
+{
+    size_t n = MSG_MAX_NAME + 1;
+    int rc = 0;
+
+    if (r->set.launched)
+        rc = begin_launched(r, err);
+    else if (!r->set.key[0]) /* else the key file that systemd passes, if any */
+        service_credential("key", r->set.key, sizeof r->set.key);
+    if (rc == 0)
+        rc = read_key(r, err);
+    if (rc == 0)
+        rc = check_coordinator(r, err);
+    if (rc == 0 && !r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)
+        rc = rad_fail(err, RAD_EUSAGE, "no host name: 'name' must be set");
+    return rc;
+}
+
+static int
+open_store(struct radd *r, struct rad_error *err)
+{
+    /* not durable: a file that power was lost under is found spoilt, for each
+     * is compared with its hash after a start, and the coordinator sends it
+     * again */
+    r->store = store_open(&r->daemon.loop, r->set.cache, false, &store_handler,
+                          r, err);
+    if (!r->store)
+        return err->code;
+    r->shell.store = r->store;
+    if (r->set.common.embedded) /* the folder goes at the end: no limit */
+        return 0;
+    return store_limit(r->store, cache_bytes_of(&r->set), err);
+}
+
 static int
 start(void *arg, struct rad_error *err)
 {
     struct radd *r = arg;
-    size_t n = MSG_MAX_NAME + 1;
     int rc;
 
     shell_init(&r->shell, &r->daemon, &ops, r);
@@ -579,30 +614,8 @@ start(void *arg, struct rad_error *err)
     r->dialler = dialler_new(&r->daemon.loop, on_dialled, r);
     if (!r->dialler)
         return rad_fail_memory(err);
-    if (r->set.launched)
-        rc = begin_launched(r, err);
-    else if (!r->set.key[0]) /* else the key file that systemd passes, if any */
-        service_credential("key", r->set.key, sizeof r->set.key);
-    if (rc < 0 || (rc = read_key(r, err)) < 0 ||
-        (rc = check_coordinator(r, err)) < 0)
-        return rc;
-    if (!r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)
-        return rad_fail(err, RAD_EUSAGE, "no host name: 'name' must be set");
-    /* not durable: a file that power was lost under is found spoilt, for each
-     * is compared with its hash after a start, and the coordinator sends it
-     * again */
-    r->store = store_open(&r->daemon.loop, r->set.cache, false, &store_handler,
-                          r, err);
-    if (!r->store)
-        return err->code;
-    r->shell.store = r->store;
-    if (!r->set.common.embedded) /* else the folder goes at the end: no limit */
-        rc = store_limit(r->store, cache_bytes_of(&r->set), err);
-    if (rc == 0)
-        rc = open_socket(r, err);
-    if (rc == 0)
-        rc = make_worker(r, err);
-    if (rc < 0)
+    if ((rc = find_identity(r, err)) < 0 || (rc = open_store(r, err)) < 0 ||
+        (rc = open_socket(r, err)) < 0 || (rc = make_worker(r, err)) < 0)
         return rc;
     hours_parse(r->set.hours, &r->hours, NULL);
     look_at_clock(r, true);

@@ -75,6 +75,15 @@ take_up_restored(struct coord *c, struct job *job)
     return true;
 }
 
+/* Let a worker end the job that cannot take part in it, now or at all. */
+static void
+turn_away(struct coord *c, struct coord_worker *w, struct job *job,
+          uint32_t index, enum part_state to)
+{
+    loss_all(c, job, index, to);
+    desk_send_job_end(c, w->conn, job->id);
+}
+
 void
 ready_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
@@ -96,8 +105,7 @@ ready_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
                     "worker excluded job=%s worker=%s why=--same-bits, and its "
                     "arithmetic differs from that of the job's first worker",
                     job->hex, jw->name);
-        loss_all(c, job, index, PART_EXCLUDED);
-        desk_send_job_end(c, w->conn, job->id);
+        turn_away(c, w, job, index, PART_EXCLUDED);
         return;
     }
     if (!job->partition) {
@@ -107,10 +115,9 @@ ready_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
     }
     if (job->restored && !take_up_restored(c, job))
         return;
-    if (!records_ready(c, job, index, m->passes)) { /* it has other passes, of
-                                                     * an earlier life */
-        loss_all(c, job, index, PART_GONE);
-        desk_send_job_end(c, w->conn, job->id);
+    if (!records_ready(c, job, index, m->passes)) {
+        turn_away(c, w, job, index, PART_GONE); /* it has passes of an earlier
+                                                 * life */
         return;
     }
     loss_at_ready(c, job, index);
