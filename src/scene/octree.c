@@ -21,7 +21,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* After so many cuts in a row that separated nothing a cube is not cut. */
+/* After so many cuts in a row that gave the whole list to several parts a cube
+ * is not cut. */
 #define SAME_MAX 2
 /* The most entries of all sets, per surface, and a base for small scenes.  A
  * million separate triangles of a mesh need about 5 each. */
@@ -48,7 +49,8 @@ struct builder {
 struct cube {
     double centre[3], half;
     int level;
-    int same; /* cuts in a row above it that separated nothing */
+    int same; /* cuts in a row above it that gave several parts the whole list
+               */
 };
 
 void
@@ -179,7 +181,7 @@ reserve(struct builder *b, int level, size_t n)
     return 0;
 }
 
-/* Do all surfaces meet the same parts?  Then the cut separates nothing. */
+/* Do all surfaces meet the same parts? */
 static bool
 all_same(const uint8_t *parts, int32_t n)
 {
@@ -189,6 +191,16 @@ all_same(const uint8_t *parts, int32_t n)
     return true;
 }
 
+/* How many cuts in a row that separated nothing does this one end?  Surfaces
+ * that all lie in one part may be separated there, and cost no entries. */
+static int
+same_cuts(const struct cube *c, const uint8_t *parts, int32_t n)
+{
+    if (!all_same(parts, n))
+        return 0;
+    return c->same + ((parts[0] & (parts[0] - 1)) != 0);
+}
+
 static int32_t build(struct builder *b, const struct cube *c, size_t list,
                      int32_t n);
 
@@ -196,7 +208,7 @@ static int32_t build(struct builder *b, const struct cube *c, size_t list,
 static int32_t
 cut(struct builder *b, const struct cube *c, size_t list, int32_t n)
 {
-    struct cube part = { .same = 0 };
+    struct cube part;
     int32_t node;
     uint8_t *parts;
 
@@ -205,8 +217,7 @@ cut(struct builder *b, const struct cube *c, size_t list, int32_t n)
     parts = b->parts[c->level];
     for (int32_t i = 0; i < n; i++)
         parts[i] = parts_met(b, c, b->stack[list + (size_t)i]);
-    if (all_same(parts, n))
-        part.same = c->same + 1;
+    part.same = same_cuts(c, parts, n);
     if (part.same >= SAME_MAX)
         return new_set(b, b->stack + list, n);
     node = new_kids(b);

@@ -7,8 +7,8 @@
  * programs can still read the result: for scenes on their way to workers, which
  * use a BVH (geom.h) instead.  Two rules differ from oconv's, and only matter
  * in scenes that oconv takes very long for.  A cube is not cut any more after
- * two cuts in a row that separated no surfaces (coincident ones).  And if the
- * tree would need more than some 32 entries per surface, cubes keep more
+ * two cuts in a row that gave several parts all surfaces (coincident ones). And
+ * if the tree would need more than some 32 entries per surface, cubes keep more
  * surfaces.  A cube may list a surface that just misses it, but lists all that
  * meet it.  An instance or a mesh counts as the cube that its file names,
  * transformed; the surfaces of the scene's parts (scene/part.h) are not entered

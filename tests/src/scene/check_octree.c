@@ -340,6 +340,26 @@ TEST(coincident_surfaces_end)
     rad_scene_free(s);
 }
 
+/* A thousand spheres, .0002 apart, in a corner of a scene that is 1 wide. */
+TEST(a_crowd_in_one_part_is_cut_where_it_lies)
+{
+    struct rad_scene *s = rad_scene_new();
+    struct rad_octree t;
+
+    add(s, RAD_SPHERE, 4, (double[4]){ 0, 0, 0, .01 });
+    add(s, RAD_SPHERE, 4, (double[4]){ 1, 1, 1, .01 });
+    for (int i = 0; i < 1000; i++)
+        add(s, RAD_SPHERE, 4,
+            (double[4]){ .3 + .0002 * (i % 10), .3 + .0002 * (i / 10 % 10),
+                         .3 + .0002 * (i / 100), 1e-5 });
+    ck_assert_int_eq(rad_octree_build(&t, s, RAD_OCTREE_LEAF, NULL), 0);
+    ck_assert_int_eq(t.left_out, 0);
+    for (int32_t at = 0; at < t.nsets; at += t.sets[at] + 1)
+        ck_assert_int_le(t.sets[at], RAD_OCTREE_LEAF);
+    rad_octree_release(&t);
+    rad_scene_free(s);
+}
+
 TEST(crossing_surfaces_stay_within_the_budget)
 {
     struct draw d = { 5, 0 };
