@@ -82,13 +82,16 @@ get_text(sqlite3_stmt *s, int i, size_t max, const char **text)
            strlen(*text) == (size_t)sqlite3_column_bytes(s, i);
 }
 
-/* Get column i, a blob or NULL; of NULL *v is NULL and *n 0. */
+/* Get column i, a blob or NULL; of NULL *n is 0.  *v is never NULL, to which
+ * not even 0 may be added. */
 static bool
 get_blob(sqlite3_stmt *s, int i, const uint8_t **v, size_t *n)
 {
+    static const uint8_t none[1];
     int type = sqlite3_column_type(s, i);
+    const uint8_t *bytes = sqlite3_column_blob(s, i);
 
-    *v = sqlite3_column_blob(s, i);
+    *v = bytes ? bytes : none;
     *n = (size_t)sqlite3_column_bytes(s, i);
     return type == SQLITE_BLOB || type == SQLITE_NULL;
 }
@@ -161,9 +164,7 @@ copy_unit(struct reading *r, struct saved_unit *u)
     u->worker = rad_arena_strndup(&r->mem, u->worker, strlen(u->worker));
     if (u->nbottom > 0)
         u->bottom = rad_arena_dup(&r->mem, u->bottom, u->nbottom);
-    return u->worker && (u->bottom || u->nbottom == 0)
-               ? 0
-               : rad_fail_memory(r->err);
+    return u->worker && u->bottom ? 0 : rad_fail_memory(r->err);
 }
 
 static int

@@ -237,6 +237,48 @@ TEST(rows_that_could_not_be_synced_are_not_kept)
     close_kept(&loop, s);
 }
 
+/* What somebody may do to a database that SQLite finds nothing wrong with. */
+static const struct {
+    const char *sql, *what;
+} wrong[] = {
+    { "UPDATE unit SET done = 1, counts = NULL", "a unit" },
+    { "UPDATE unit SET done = 1, counts = x''", "a unit" },
+    { "UPDATE unit SET done = 1, counts = 'none'", "a unit" },
+    { "UPDATE unit SET done = 2", "a unit" },
+    { "UPDATE job SET spec = x''", "the specification" },
+    { "UPDATE job SET id = x''", "the id" },
+    { "UPDATE job SET state = 3, progress = NULL", "the end" },
+};
+
+static int
+take_no_job(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    (void)arg;
+    (void)s;
+    (void)err;
+    return 0;
+}
+
+LOOP_TEST(a_job_that_makes_no_sense_is_refused, N_ELEM(wrong))
+{
+    struct rad_error err = { 0 };
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    open_job(s);
+    put_unit(s, kept_job, 0, 3, 3);
+    run(&loop, s);
+    ck_assert_int_eq(
+        sqlite3_exec(s->journal->db, wrong[_i].sql, NULL, NULL, NULL), 0);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, take_no_job, NULL, &err), RAD_EDATA);
+    ck_assert_msg(strstr(err.what, wrong[_i].what) != NULL, "%s", err.what);
+    close_kept(&loop, s);
+}
+
 #define HOUR  (UINT64_C(3600) * 1000)
 #define DAY   (24 * HOUR)
 #define NOV26 UINT64_C(1795000000000) /* 2026-11-18 [ms] */
