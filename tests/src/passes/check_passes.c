@@ -311,6 +311,45 @@ TEST(a_tile_with_too_many_records_leaves_out_deep_ones)
     ck_assert_uint_gt(many.of[1], 0);
 }
 
+/* The room is closed and all paths bounce within it: their ends are on all of
+ * its sides. */
+static void
+check_spots(const struct rad_pass_spot *spot, size_t n)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        int least = RAD_PASS_NO_SPOT, most = 0;
+
+        for (size_t i = 0; i < n; i++) {
+            int at = spot[i].at[axis];
+
+            if (at != RAD_PASS_NO_SPOT) {
+                least = at < least ? at : least;
+                most = at > most ? at : most;
+            }
+        }
+        ck_assert_int_gt(most - least, RAD_PASS_NO_SPOT / 3);
+    }
+}
+
+/* Make the tiles of a pass again, over its records: none is made, and no path
+ * whose end is known is walked to find that out.  (Rays tell whether a record
+ * is hidden from an end.) */
+static void
+check_served(struct room *m, const struct rad_passes *p,
+             const struct rad_pass *pass, struct list *made)
+{
+    static struct list none;
+
+    rad_ambient_insert_all(m->w.job->ambient, made->rec, made->n);
+    ck_assert(rad_ambient_settle(m->w.job->ambient));
+    memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
+    for (uint32_t i = 0; i < pass->tiles; i++)
+        ck_assert(rad_passes_make(p, &m->w.ctx, pass, 0, i, &never, keep, &none,
+                                  NULL));
+    ck_assert_uint_eq(none.n, 0);
+    ck_assert_uint_lt(m->w.ctx.counts.rays, pass->end - pass->first);
+}
+
 /* Who is told where paths go finds the same tiles as who walks them, and so
  * does who comes when the walk is over. */
 TEST(paths_can_be_walked_elsewhere)
@@ -336,6 +375,7 @@ TEST(paths_can_be_walked_elsewhere)
         ck_assert(rad_passes_walk(p, &m->w.ctx, &pass[0], i, &never,
                                   &spot[2 * (size_t)first]));
     }
+    check_spots(spot, 2 * (size_t)pass[0].paths);
     ck_assert(rad_passes_place(told, &pass[0], spot));
     rays = m->w.ctx.counts.rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[1], NULL), 0);
@@ -359,6 +399,7 @@ TEST(paths_can_be_walked_elsewhere)
     ck_assert(here.n == there.n && here.n == then.n);
     ck_assert_mem_eq(here.rec, there.rec, here.n * sizeof *here.rec);
     ck_assert_mem_eq(here.rec, then.rec, here.n * sizeof *here.rec);
+    check_served(m, p, &pass[1], &here);
     free(spot);
     rad_passes_free(p);
     rad_passes_free(told);
@@ -622,6 +663,51 @@ TEST(a_tile_ends_when_it_has_traced_its_rays)
         made += make_all(m, p, pass[i]);
     ck_assert_uint_gt(made, 10);
     ck_assert_uint_lt(make_all(m, p, pass[last]) * 10, made);
+    rad_passes_free(p);
+    close_room(m);
+}
+
+/* Rays of all tiles of a lattice of which the pixels `done` apart are over. */
+static uint64_t
+rays_of_lattice(struct room *m, const struct rad_passes *p,
+                struct rad_pass pass, int step, int done)
+{
+    static struct list list;
+    uint64_t before = m->w.ctx.counts.rays;
+
+    pass.step = step;
+    pass.done = done;
+    pass.tiles = rad_pass_tiles(&pass, SIDE, SIDE);
+    list.n = 0;
+    for (uint32_t k = 0; k < pass.tiles; k++)
+        make_tile(m, p, &pass, k, &list);
+    rad_ambient_insert_all(m->w.job->ambient, list.rec, list.n);
+    ck_assert(rad_ambient_settle(m->w.job->ambient));
+    return list.n > 0 ? 0 : m->w.ctx.counts.rays - before;
+}
+
+/* A lattice's pixels are looked at once, not again by the next lattice. */
+TEST(a_lattice_leaves_out_the_pixels_of_the_one_before)
+{
+    struct room *m = &rooms[0];
+    struct rad_pass pass[RAD_MOST_PASSES], any;
+    struct rad_passes *p;
+    uint64_t coarse, fine, both = 0;
+
+    open_room(m, "-ab 1");
+    any = pass[last_lattice(pass, plan(m, pass))];
+    any.finest = false;
+    any.field = -1;
+    any.rays = 0;
+    p = rad_passes_new(&m->frame, 1, NULL);
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &any, NULL), 0);
+    for (int i = 0; i < 4 && both == 0; i++)
+        both = rays_of_lattice(m, p, any, 4, 0); /* no hemispheres are left */
+    coarse = rays_of_lattice(m, p, any, 8, 0);
+    fine = rays_of_lattice(m, p, any, 4, 8);
+    ck_assert_uint_ge(coarse, (SIDE / 8) * (SIDE / 8));
+    ck_assert_uint_ge(fine, 3 * (SIDE / 8) * (SIDE / 8));
+    ck_assert_uint_eq(coarse + fine, both);
     rad_passes_free(p);
     close_room(m);
 }
