@@ -326,8 +326,9 @@ listener_open(uv_loop_t *loop, const char *where,
     }
     l->fd = open_socket(l, where, err);
     if (l->fd < 0) {
-        rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s", where,
-                 uv_strerror(l->fd));
+        if (l->fd != RAD_ECANTCREAT) /* uv_strerror() leaks for others' codes */
+            rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s", where,
+                     uv_strerror(l->fd));
         free_listener(l);
         return NULL;
     }

@@ -13,7 +13,6 @@ SHELL_TESTS = \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_preview.sh \
 	tests/e2e/cluster_sandbox.sh \
-	tests/e2e/cluster_sockets.sh \
 	tests/e2e/completion.sh \
 	tests/e2e/coord_frames.sh \
 	tests/e2e/coord_full.sh \
@@ -84,6 +83,7 @@ SANITIZED_E2E = \
 	tests/e2e/cluster_garbage.sh \
 	tests/e2e/cluster_kill.sh \
 	tests/e2e/cluster_restart.sh \
+	tests/e2e/cluster_sockets.sh \
 	tests/e2e/radscene.sh \
 	tests/e2e/submit_embedded.sh
 
