@@ -143,6 +143,12 @@ pointspec_most(const struct pointspec *s)
     return n == 0 ? UINT64_MAX : n;
 }
 
+uint32_t
+pointspec_flush(const struct pointspec *s)
+{
+    return s->y == 0 || s->x == 1 ? (uint32_t)s->x : 0;
+}
+
 bool
 pointspec_lit(const struct pointspec *s)
 {

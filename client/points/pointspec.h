@@ -38,6 +38,9 @@ int pointspec_check(const struct pointspec *s, struct rad_error *err);
 /* Most points that are read; with -x and -y also how many there should be. */
 uint64_t pointspec_most(const struct pointspec *s);
 
+/* After how many points rtrace writes what it has; 0: when it likes. */
+uint32_t pointspec_flush(const struct pointspec *s);
+
 /* Does any letter of -o need light, or the path of the traced ray? */
 bool pointspec_lit(const struct pointspec *s);
 

@@ -14,6 +14,7 @@ enum {
     PIECE = 1 << 16,   /* bytes read at once */
     LONGEST = 1 << 16, /* most bytes of a line of text */
     PAUSE_MS = 50,     /* after which the writer may be waiting */
+    ASKED_MS = 5,      /* the same, of a writer that asks for its answers */
     LATEST_MS = 1000   /* longest wait of a point for others */
 };
 
@@ -118,7 +119,9 @@ pointstream_open(struct pointstream *s, const struct pointspec *spec,
 {
     int rc;
 
-    *s = (struct pointstream){ .loop = loop, .size = POINTSTREAM_FIRST };
+    *s = (struct pointstream){ .loop = loop,
+                               .size = POINTSTREAM_FIRST,
+                               .flush = pointspec_flush(spec) };
     pointfile_init(&s->in, "stdin", spec->in, pointspec_most(spec));
     s->rest = malloc(LONGEST + PIECE);
     if (!s->rest)
@@ -165,15 +168,35 @@ on_time(uv_timer_t *t)
     (void)t; /* only to make the loop return */
 }
 
-/* Milliseconds until a batch is due; 0: now. */
-static uint64_t
-due_in(const struct pointstream *s)
+static bool
+has_direction(const double point[6])
 {
-    uint64_t now = uv_now(s->loop), pause = s->last_ms + PAUSE_MS,
-             latest = s->first_ms + LATEST_MS;
+    return point[3] != 0 || point[4] != 0 || point[5] != 0;
+}
+
+/* Does the writer ask for its answers?  It does so as with rtrace: by a point
+ * without a direction behind others, or where -x says how many it writes.  More
+ * than one point without a direction are the outside of a round picture. */
+static bool
+is_asked(const struct pointstream *s)
+{
+    const struct pointfile *in = &s->in;
+    uint32_t n = in->n;
+
+    if (s->flush > 0 && (in->taken + n) % s->flush == 0)
+        return true;
+    return n > 1 && !has_direction(in->point[n - 1]) &&
+           has_direction(in->point[n - 2]);
+}
+
+uint64_t
+pointstream_due_in(const struct pointstream *s)
+{
+    uint64_t now = uv_now(s->loop), latest = s->first_ms + LATEST_MS, pause;
 
     if (s->ended || s->in.n >= s->size)
         return 0;
+    pause = s->last_ms + (is_asked(s) ? ASKED_MS : PAUSE_MS);
     pause = pause < latest ? pause : latest;
     return pause > now ? pause - now : 0;
 }
@@ -182,9 +205,10 @@ void
 pointstream_wait(struct pointstream *s, const int *wake)
 {
     uv_update_time(s->loop);
-    while (*wake == 0 && !s->ended && (s->in.n == 0 || due_in(s) > 0)) {
+    while (*wake == 0 && !s->ended &&
+           (s->in.n == 0 || pointstream_due_in(s) > 0)) {
         if (s->in.n > 0)
-            uv_timer_start(&s->timer, on_time, due_in(s), 0);
+            uv_timer_start(&s->timer, on_time, pointstream_due_in(s), 0);
         uv_run(s->loop, UV_RUN_ONCE);
     }
     uv_timer_stop(&s->timer);

@@ -5,8 +5,8 @@
  * points, and after each full batch the next is four times as large, up to
  * POINTSTREAM_MOST.  So if points come without a pause, batches depend on their
  * number alone.  A smaller batch is due if nothing has come for a moment, for
- * the writer may wait for its answers; if its first point has waited for long;
- * and at the end.
+ * the writer may wait for its answers, and sooner where it asks for them; if
+ * its first point has waited for long; and at the end.
  * Thread: the loop's. */
 #ifndef RADD_CLIENT_POINTSTREAM_H
 #define RADD_CLIENT_POINTSTREAM_H
@@ -28,6 +28,7 @@ struct pointstream {
     unsigned char *rest; /* bytes of an incomplete point */
     size_t nrest;
     uint32_t size;              /* of a full batch */
+    uint32_t flush;             /* see pointspec_flush() */
     uint64_t first_ms, last_ms; /* when the first and last points in .in came */
     bool ended;                 /* nothing more comes */
     struct rad_error end;       /* code 0, or what ended it */
@@ -41,6 +42,10 @@ bool pointstream_is_one(void);
  * case. */
 int pointstream_open(struct pointstream *s, const struct pointspec *spec,
                      uv_loop_t *loop, struct rad_error *err);
+
+/* Milliseconds until the points that were read are due as a batch if no more
+ * come; 0: now.  There must be some. */
+uint64_t pointstream_due_in(const struct pointstream *s);
 
 /* Run the loop until a batch is due, the input has ended, or *wake is not 0. */
 void pointstream_wait(struct pointstream *s, const int *wake);
