@@ -386,7 +386,7 @@ read_scene(struct compiled *c, const char *const *files, int n, bool commands,
     rc = c->scene ? paths_init(&c->paths, err) : rad_fail_memory(err);
     c->paths.inputs = r->inputs;
     for (int i = 0; c->paths.raypath && i < n && (r->each || !rc); i++) {
-        int now = files[i][0] == '!' ? reading_command(r, files[i], err)
+        int now = files[i][0] == '!' ? reading_command(r, files[i], n == 1, err)
                                      : reading_file(r, files[i], n == 1, err);
 
         rc = rc ? rc : now;

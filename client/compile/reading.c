@@ -19,20 +19,28 @@
 #define STDIN_NAME   "standard input"
 #define COMMAND_LINE "command line"
 
-/* A file that is being read.  Its beginning is in memory, to tell what it is.
- */
+/* A file, or the output of a command of the command line, that is being read.
+ * Its beginning is in memory, to tell what it is. */
 struct source {
     struct rad_fd fd;
-    char *folder;
+    struct command *command; /* NULL: a file */
+    char *folder;            /* of a file */
     size_t pos, len;
     unsigned char head[16 * 1024];
 };
+
+static struct rad_stream
+rest_of(struct source *src)
+{
+    return src->command ? command_output(src->command)
+                        : rad_fd_stream(&src->fd);
+}
 
 static long
 read_source(void *arg, void *buf, size_t n, struct rad_error *err)
 {
     struct source *src = arg;
-    struct rad_stream rest = rad_fd_stream(&src->fd);
+    struct rad_stream rest = rest_of(src);
 
     if (src->pos == src->len)
         return rest.read(rest.arg, buf, n, err);
@@ -43,23 +51,12 @@ read_source(void *arg, void *buf, size_t n, struct rad_error *err)
     return (long)n;
 }
 
-/* Open a file and read its beginning. */
 static int
-open_source(struct source *src, const char *file, struct rad_error *err)
+read_head(struct source *src, struct rad_error *err)
 {
-    struct rad_stream in = rad_fd_stream(&src->fd);
-    bool standard = strcmp(file, "-") == 0;
+    struct rad_stream in = rest_of(src);
 
     src->pos = src->len = 0;
-    src->folder = NULL;
-    src->fd.name = standard ? STDIN_NAME : file;
-    src->fd.fd = standard ? STDIN_FILENO : open(file, O_RDONLY | O_CLOEXEC);
-    if (src->fd.fd < 0)
-        return rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", file,
-                        strerror(errno));
-    src->folder = standard ? strdup(".") : paths_folder_of(file);
-    if (!src->folder)
-        return rad_fail_memory(err);
     while (src->len < sizeof src->head) {
         long n = in.read(in.arg, src->head + src->len,
                          sizeof src->head - src->len, err);
@@ -69,6 +66,23 @@ open_source(struct source *src, const char *file, struct rad_error *err)
         src->len += (size_t)n;
     }
     return 0;
+}
+
+/* Open a file and read its beginning. */
+static int
+open_source(struct source *src, const char *file, struct rad_error *err)
+{
+    bool standard = strcmp(file, "-") == 0;
+
+    src->command = NULL;
+    src->folder = NULL;
+    src->fd.name = standard ? STDIN_NAME : file;
+    src->fd.fd = standard ? STDIN_FILENO : open(file, O_RDONLY | O_CLOEXEC);
+    if (src->fd.fd < 0)
+        return rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", file,
+                        strerror(errno));
+    src->folder = standard ? strdup(".") : paths_folder_of(file);
+    return src->folder ? read_head(src, err) : rad_fail_memory(err);
 }
 
 static void
@@ -102,9 +116,16 @@ static int
 begin_command(void *arg, const char *text, struct rad_stream *out, void **job,
               struct rad_error *err)
 {
-    const struct reading *r = arg;
+    struct reading *r = arg;
+    struct source *begun = r->begun;
     struct command *c;
 
+    if (begun) {
+        r->begun = NULL;
+        *out = (struct rad_stream){ read_source, begun };
+        *job = begun->command;
+        return 0;
+    }
     if (r->within && !r->c->commands)
         return refuse_command(text, err);
     c = command_start(text, command_folder(text, r->folder), err);
@@ -157,6 +178,17 @@ failed(const struct reading *r, const struct rad_error *err)
     if (r->each)
         r->each(r->arg, err);
     return err->code;
+}
+
+/* The same of an error that ends the reading of a whole file; *err gets it, if
+ * it is the first. */
+static int
+fail_whole(const struct reading *r, const struct rad_error *now,
+           struct rad_error *err)
+{
+    if (err && err->code == 0)
+        *err = *now;
+    return failed(r, now);
 }
 
 /* The path of a scene file that an octree names, malloc'd: in the octree's
@@ -264,9 +296,8 @@ reading_file(struct reading *r, const char *file, bool alone,
         rc = rad_fail(&now, RAD_EDATA,
                       "nothing came on " STDIN_NAME
                       ": has what writes the scene failed?");
-    if (rc && err && err->code == 0)
-        *err = now;
-    rc = rc ? failed(r, &now) : read_source_file(r, src, file, alone, err);
+    rc = rc ? fail_whole(r, &now, err)
+            : read_source_file(r, src, file, alone, err);
     close_source(src);
     free(src);
     return rc;
@@ -281,13 +312,61 @@ warn_of_command(void *arg, const struct rad_error *err)
         reading_warn(arg, err);
 }
 
-int
-reading_command(struct reading *r, const char *text, struct rad_error *err)
+/* Read the octree that a command writes, to the end of its output. */
+static int
+read_made_octree(struct reading *r, struct source *src, const char *text,
+                 bool alone, struct rad_error *err)
+{
+    struct rad_stream in = { read_source, src };
+    struct rad_error now = { 0 };
+    int rc, end;
+
+    r->octree = true;
+    rc = read_octree(r, &in, text, alone, err);
+    while (rc == 0 && in.read(in.arg, src->head, sizeof src->head, NULL) > 0)
+        ;
+    end = command_end(src->command, rc != 0, &now);
+    return rc ? rc : end ? fail_whole(r, &now, err) : 0;
+}
+
+static int
+read_made_text(struct reading *r, struct source *src, const char *text,
+               struct rad_error *err)
 {
     struct rad_parse_io io = parse_io(r);
+    int rc;
 
     io.warn = warn_of_command;
+    r->begun = src;
+    rc =
+        rad_parse_text(r->c->scene, text, strlen(text), COMMAND_LINE, &io, err);
+    if (r->begun) /* the parser did not come to it */
+        command_end(src->command, true, NULL);
+    r->begun = NULL;
+    return rc;
+}
+
+int
+reading_command(struct reading *r, const char *text, bool alone,
+                struct rad_error *err)
+{
+    struct source *src = malloc(sizeof *src);
+    struct rad_error now = { 0 };
+    int rc;
+
+    if (!src)
+        return rad_fail_memory(err);
     r->folder = ".";
-    return rad_parse_text(r->c->scene, text, strlen(text), COMMAND_LINE, &io,
-                          err);
+    src->command = command_start(text + 1, r->folder, &now);
+    rc = src->command ? read_head(src, &now) : now.code;
+    if (rc && src->command)
+        command_end(src->command, true, NULL);
+    if (rc)
+        rc = fail_whole(r, &now, err);
+    else if (rad_octfile_is(src->head, src->len))
+        rc = read_made_octree(r, src, text, alone, err);
+    else
+        rc = read_made_text(r, src, text, err);
+    free(src);
+    return rc;
 }

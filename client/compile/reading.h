@@ -16,6 +16,8 @@ struct reading {
                          * useless */
     bool within;        /* files that an octree names are being read */
     bool beside;        /* one of these was in the octree's folder */
+    struct source *begun; /* a command of the command line that runs already:
+                           * the first that the parser begins; or NULL */
     /* gets each error; may be NULL */
     void (*each)(void *arg, const struct rad_error *err);
     void *arg;
@@ -27,8 +29,10 @@ struct reading {
 int reading_file(struct reading *r, const char *file, bool alone,
                  struct rad_error *err);
 
-/* Read the output of "!command", which stands for a file, as with oconv(1). */
-int reading_command(struct reading *r, const char *text, struct rad_error *err);
+/* Read the output of "!command", which stands for a file, as with oconv(1) and
+ * rpict(1): an octree, if it is `alone`, or text. */
+int reading_command(struct reading *r, const char *text, bool alone,
+                    struct rad_error *err);
 
 /* Read a scene file or "!command" that an octree in r->folder names; arg is a
  * struct reading (scene/octfile.h). */

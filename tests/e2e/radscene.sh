@@ -87,6 +87,7 @@ expect 66 "thawed.oct: cannot find file 'a.rad'" $radscene check thawed.oct
 printf 'grey sphere more 0 0 4 9 9 9 1\n' >more.rad
 printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000good.rad\000!sed s/grey/lamp/ more.rad\000\000\000\000\000\006\000' >thawed.oct
 expect 0 '' $radscene info --commands thawed.oct
+cp out six
 same 'objects 6
 surfaces 3
 sources 2
@@ -96,6 +97,23 @@ bounds -1 -1 0  10 10 10
   light 1
   plastic 1
   mixfunc 1'
+# a command may write either kind, as for rpict; what goes wrong is told once
+for made in '!cat good.oct' '!cat old.oct' "!$radscene freeze good.rad"; do
+    expect 0 '' $radscene info "$made"
+    same "$(cat info)"
+done
+expect 0 '' $radscene info --commands '!cat thawed.oct && yes | head -c 200000'
+same "$(cat six)"
+expect 77 "use --commands" $radscene info '!cat thawed.oct'
+while IFS=: read -r status told made; do
+    expect "$status" "$told" $radscene check "$made"
+    [ "$(wc -l <err)" -eq 1 ] || fail "told twice: $(cat err)"
+done <<'END'
+65:good.oct: truncated at byte 300:!head -c 300 good.oct
+65:failed with exit status 3:!cat good.oct; exit 3
+65:unknown data behind the octree:!cat good.oct; echo more
+END
+expect 64 "must be the only" $radscene check '!cat good.oct' good.rad
 mkdir elsewhere
 (cd elsewhere && $radscene freeze --commands ../thawed.oct) >frozen.oct ||
     fail "freeze from another folder"

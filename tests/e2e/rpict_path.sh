@@ -55,6 +55,9 @@ status 0 rpict -w $vw -x 16 -y 16 -pa 1.000 room.oct ">c.unf"
 status 0 rpict -w0 $vw -x 16 -y 16 "<room.oct >d.unf"
 [ "$(tail -c 400 c.unf | cksum)" = "$(tail -c 400 d.unf | cksum)" ] ||
     fail "an octree on standard input"
+status 0 rpict $vw -w0 -x 16 -y 16 "'!cat room.oct' >d.unf"
+[ "$(tail -c 400 c.unf | cksum)" = "$(tail -c 400 d.unf | cksum)" ] ||
+    fail "an octree that a command writes"
 status 0 "ROPT='-x 16 -y 16'" rpict '\$ROPT' -vf vf -o e.unf room.oct
 is e.unf 16 12
 [ ! -s out ] || fail "-o, and something on standard output"

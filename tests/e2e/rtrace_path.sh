@@ -41,6 +41,8 @@ says() # LINE: each number on it is that of the output
 status 0 rtrace -h -w- -oL box.oct
 says '10 7'
 [ ! -s err ] || fail "rtrace says nothing of what goes well: $(cat err)"
+status 0 rtrace -h- -oL "'!cat box.oct'"
+says '10 7'
 status 0 rtrace -h- -ov -n 4 box.oct
 says '2 2 2 2 2 2'
 status 0 rtrace -I -h- -ab 1 -ad 64 -aa 0 -lw 1e-6 box.oct
