@@ -105,13 +105,13 @@ done
 expect 0 '' $radscene info --commands '!cat thawed.oct && yes | head -c 200000'
 same "$(cat six)"
 expect 77 "use --commands" $radscene info '!cat thawed.oct'
-while IFS=: read -r status told made; do
+while IFS=@ read -r status told made; do
     expect "$status" "$told" $radscene check "$made"
     [ "$(wc -l <err)" -eq 1 ] || fail "told twice: $(cat err)"
 done <<'END'
-65:good.oct: truncated at byte 300:!head -c 300 good.oct
-65:failed with exit status 3:!cat good.oct; exit 3
-65:unknown data behind the octree:!cat good.oct; echo more
+65@good.oct: truncated at byte 300@!head -c 300 good.oct
+65@failed with exit status 3@!cat good.oct; exit 3
+65@unknown data behind the octree@!cat good.oct; echo more
 END
 expect 64 "must be the only" $radscene check '!cat good.oct' good.rad
 mkdir elsewhere
