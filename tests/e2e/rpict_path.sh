@@ -159,6 +159,19 @@ status 1 rpict -zz room.oct
 status 1 rpict $vw room.oct other.oct
 status 1 rpict -S 1 "<vf"
 status 1 rpict -o
+refused() # TEXT COMMAND LINE
+{
+    text=$1
+    shift
+    status 1 "$@"
+    grep -qF -- "$text" err || fail "$*: $(cat err)"
+}
+refused "'a=1' is an expression" rpict -e "'a=1'" $vw room.oct
+refused "'a:1' is an expression" rpict -e a:1 $vw room.oct
+[ ! -e 'a=1' ] && [ ! -e a:1 ] || fail "a definition is taken for -e's file"
+refused "'-f' of rpict" rpict -f a.cal $vw room.oct
+refused "'-ap' of rpict" rpict -ap a.pm 50 $vw room.oct
+refused "'-features'" rpict -features
 status 1 rpict -vu 0 1 0 room.oct
 status 2 rpict $vw nothing.oct
 status 2 rpict $vw -x 8 -y 8 -o e.unf room.oct

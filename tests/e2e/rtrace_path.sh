@@ -108,6 +108,11 @@ refused 1 "'-ti' of rtrace" -ti shine box.oct
 refused 1 "'t' of rtrace" -otv box.oct
 refused 1 "--points and -pc" -pc .64 .33 .3 .6 .15 .06 .3127 .329 box.oct
 refused 1 "empty output" -o box.oct
+refused 1 "'a=1' is an expression" -e "'a=1'" box.oct
+[ ! -e 'a=1' ] || fail "a definition is taken for -e's file"
+refused 1 "'-f' of rpict" -f a.cal box.oct
+refused 1 "'-ap' of rtrace" -ap a.pm 50 box.oct
+refused 1 "'-features' of rtrace" -features
 refused 1 "'-n'" -n 0 box.oct
 refused 1 "'-vp'" -vp 0 0 0 box.oct
 refused 1 "'-pM' of rtrace is not supported: -cs 20 -co+" -pM box.oct
