@@ -12,6 +12,7 @@
 #include <jansson.h>
 #include <stdio.h>
 #include <string.h>
+#include <sysexits.h>
 
 void
 program_say(void *arg, const char *text)
@@ -39,6 +40,20 @@ program_warn(struct program *p, const char *text)
 {
     if (!p->o.quiet)
         program_say(p, text);
+}
+
+/* rpict's: 1 for what the user can correct, 2 for the system's errors, 3 after
+ * a signal. */
+int
+program_status(const struct program *p, int rc)
+{
+    int status = rad_exit_status(rc);
+
+    if (!p->o.rpict_status)
+        return status;
+    if (p->loop.interrupts > 0)
+        return 3;
+    return status == EX_USAGE || status == EX_DATAERR ? 1 : 2;
 }
 
 /* Warn of a -ps that the sampler cannot take, unless it is 0, which is often

@@ -17,6 +17,9 @@ void program_warn_of_scene(struct program *p);
 /* Tell what rad would do and radsubmit does not, each note once. */
 void program_warn_of_rif(struct program *p);
 
+/* The exit status after a failure, radsubmit's or, in its place, rpict's. */
+int program_status(const struct program *p, int rc);
+
 /* Show a report of progress (submit.h), and say what holds the job up. */
 void program_on_progress(void *program, const struct msg_progress *m);
 

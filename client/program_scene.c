@@ -8,9 +8,9 @@
 #include "trial/dryrun.h"
 #include "link/local.h"
 #include "program_files.h"
+#include "program_say.h"
 
 #include <stdlib.h>
-#include <sysexits.h>
 #include <unistd.h>
 
 /* --dry-run: predict the job. */
@@ -176,7 +176,7 @@ program_compile(struct program *p)
         uv_run(&p->loop.uv, UV_RUN_ONCE);
         if (p->loop.interrupts > 0 && !c.done) {
             command_stop_all();
-            _exit(EX_TEMPFAIL);
+            _exit(program_status(p, RAD_ETEMPFAIL));
         }
     }
     rc = program_check_apart(p); /* first, for it closes a wrong file of -e */

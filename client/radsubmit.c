@@ -213,20 +213,6 @@ act(struct program *p, int argc, char *argv[])
     return rc;
 }
 
-/* rpict's exit status: 1 for what the user can correct, 2 for the system's
- * errors. */
-static int
-rpict_status(int rc)
-{
-    switch (rad_exit_status(rc)) {
-    case EX_USAGE:
-    case EX_DATAERR:
-        return 1;
-    default:
-        return 2;
-    }
-}
-
 int
 main(int argc, char *argv[])
 {
@@ -245,5 +231,5 @@ main(int argc, char *argv[])
     program_say_where_it_is(&p);
     fflush(stdout);
     /* not exit(): libuv would wait until a name is looked up */
-    _exit(p.o.rpict_status ? rpict_status(rc) : rad_exit_status(rc));
+    _exit(program_status(&p, rc));
 }

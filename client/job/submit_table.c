@@ -161,7 +161,7 @@ static const struct option own[] = {
     TEXT("--view", rif_view, "NAME", "the one of a .rif file's views"),
     FLAG("--rpict-status", rpict_status,
          "exit with rpict's status: 1 for what is wrong with the command line "
-         "or the scene, 2 for all else; no news without -t")
+         "or the scene, 3 after a signal, 2 for all else; no news without -t")
 };
 
 static const struct option rpicts[] = {

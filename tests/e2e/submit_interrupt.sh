@@ -5,10 +5,10 @@
 set -u
 
 # A picture that takes minutes: every pixel, many samples of the lamp.
-start()
+start() # OPTIONS...
 {
     : >stderr # what an earlier one said is no sign of this one
-    interruptible "$radsubmit" --local --workers=2 --threads=1 \
+    interruptible "$radsubmit" --local "$@" --workers=2 --threads=1 \
         --progress=always -vf "$scenes/room.vf" -x 3000 -y 2250 -ps 1 \
         -ds .02 -dj 1 -o out.hdr "$scenes/room.rad" 2>stderr &
     pid=$!
@@ -29,14 +29,19 @@ check_priority()
 # while the scene is compiled: a command that never ends
 mkfifo never
 echo "!echo >'$work/runs'; cat '$work/never'" >waits.rad
-interruptible "$radsubmit" --local -o out.hdr waits.rad 2>stderr &
-pid=$!
-until_true 30 test -e runs || fail "the scene's command does not run"
-kill -INT $pid
-wait $pid
-status=$?
-[ $status -eq 75 ] || fail "interrupted early: exit status $status"
-check_nothing_left "interrupted early"
+for want in 75 3; do
+    rm -f runs
+    [ $want -eq 75 ] || set -- --rpict-status
+    interruptible "$radsubmit" --local "$@" -o out.hdr waits.rad 2>stderr &
+    pid=$!
+    until_true 30 test -e runs || fail "the scene's command does not run"
+    kill -INT $pid
+    wait $pid
+    status=$?
+    [ $status -eq $want ] ||
+        fail "interrupted early: exit status $status, not $want"
+    check_nothing_left "interrupted early"
+done
 
 # while the coordinator starts: one that never serves
 mkdir slow && cp "$radsubmit" slow/
@@ -69,6 +74,14 @@ wait $pid
 status=$?
 [ $status -eq 75 ] || fail "terminated: exit status $status"
 check_nothing_left "terminated"
+
+for signal in INT TERM HUP; do # as rpict
+    start --rpict-status
+    kill -$signal $pid
+    wait $pid
+    status=$?
+    [ $status -eq 3 ] || fail "$signal in the place of rpict: status $status"
+done
 
 start
 kill -KILL $pid
