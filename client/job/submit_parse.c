@@ -113,6 +113,8 @@ take_params(struct cursor *c, int argc, char *const argv[])
         islower((unsigned char)argv[0][2]) && strcmp(argv[0], "-pc") != 0 &&
         !c->o->for_pixels)
         c->o->for_pixels = argv[0];
+    if (rc > 0 && strcmp(argv[0], "-pRGB") == 0 && c->o->spectral == 1)
+        c->o->spectral = 0;
     if (rc > 0 && strcmp(argv[0], "-ps") == 0)
         c->o->psample_asked = (int)strtol(argv[1], NULL, 10);
     if (rc > 0)

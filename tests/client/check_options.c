@@ -455,6 +455,31 @@ LOOP_TEST(each_three_bands_are_a_job_of_their_own, N_ELEM(planes))
 }
 
 static const struct {
+    const char *words;
+    int spectral;
+} last[] = {
+    { "-cs 6", -1 },
+    { "-cs 6 -co", 1 },
+    { "-cs 6 -co -co", 0 },
+    { "-cs 6 -co+ -pRGB", 0 },
+    { "-cs 6 -pRGB -co+", 1 },
+    { "-cs 6 -pRGB", -1 }, /* the name's suffix decides */
+};
+
+LOOP_TEST(the_last_word_says_whether_spectra_are_written, N_ELEM(last))
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char line[200];
+
+    snprintf(line, sizeof line, "%s a.rad", last[_i].words);
+    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.spectral, last[_i].spectral);
+    words_release(&w);
+}
+
+static const struct {
     const char *kind, *line;
     const char *says[8]; /* ... among the lines of -defaults */
 } printed[] = {
