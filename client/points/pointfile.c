@@ -68,6 +68,16 @@ wanted(const struct pointfile *f)
     return f->taken + f->n < f->most;
 }
 
+/* Where the line at s ends: at a newline or, as programs for Windows and
+ * bifacial_radiance write, at a return. */
+static const char *
+line_end(const char *s, const char *end)
+{
+    while (s < end && *s != '\n' && *s != '\r')
+        s++;
+    return s;
+}
+
 static int
 parse_text(struct pointfile *f, const char *s, size_t n, bool last,
            size_t *used, struct rad_error *err)
@@ -76,19 +86,20 @@ parse_text(struct pointfile *f, const char *s, size_t n, bool last,
     int rc = 0;
 
     while (rc == 0 && s < end && wanted(f)) {
-        const char *nl = memchr(s, '\n', (size_t)(end - s));
-        const char *stop = nl ? nl : end;
+        const char *stop = line_end(s, end);
         double v[6];
 
-        if (!nl && !last)
+        if (stop == end && !last)
             break;
-        f->line++;
+        if (*s != '\n' || !f->returned) /* not within "\r\n" */
+            f->line++;
         rc = pointfile_line(s, (size_t)(stop - s), v, err);
         if (rc == 1 && (rc = reserve(f, err)) == 0)
             memcpy(f->point[f->n++], v, sizeof v);
         if (rc < 0)
             rad_error_where(err, "%s:%ld", f->name, f->line);
-        s = nl ? nl + 1 : end;
+        f->returned = stop < end && *stop == '\r';
+        s = stop < end ? stop + 1 : end;
     }
     *used = (size_t)(s - begin);
     return rc;

@@ -1,7 +1,8 @@
 /* pointfile.h - sensor points from a file, as rtrace(1) reads them
  *
- * Each point is six numbers, origin and direction: a line of text, or floats or
- * doubles in the machine's byte order.
+ * Each point is six numbers, origin and direction: a line of text, which ends
+ * with a newline, a return or both; or floats or doubles in the machine's byte
+ * order.
  * Thread: one. */
 #ifndef RADD_CLIENT_POINTFILE_H
 #define RADD_CLIENT_POINTFILE_H
@@ -26,6 +27,7 @@ struct pointfile {
     size_t room;
     uint64_t taken; /* points that were read before these, and taken */
     long line;      /* lines of text so far */
+    bool returned;  /* the last of them ended with a return */
 };
 
 void pointfile_init(struct pointfile *f, const char *name, char format,

@@ -8,6 +8,7 @@ UNIT_TESTS += \
 	tests/client/check_options \
 	tests/client/check_origin \
 	tests/client/check_outcome \
+	tests/client/check_pointfile \
 	tests/client/check_pointstream \
 	tests/client/check_rays \
 	tests/client/check_rif \

@@ -41,6 +41,12 @@ says() # LINE: each number on it is that of the output
 status 0 rtrace -h -w- -oL box.oct
 says '10 7'
 [ ! -s err ] || fail "rtrace says nothing of what goes well: $(cat err)"
+# bifacial_radiance ends lines with returns
+status 0 "printf '0 0 0 0 0 1 \r3 0 0 1 0 0 \r' | rtrace -h- -oL box.oct"
+says '10 7'
+printf '0 0 0 0 0 1 \r3 0 0 1 0 0 \r' >returns
+status 0 'rtrace -h- -oL box.oct <returns'
+says '10 7'
 status 0 rtrace -h- -oL "'!cat box.oct'"
 says '10 7'
 status 0 rtrace -h- -ov -n 4 box.oct
