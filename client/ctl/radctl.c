@@ -308,12 +308,6 @@ check_words(struct ctl *c)
     return c->command->check ? c->command->check(c) : 0;
 }
 
-static bool
-takes_many(const struct ctl_command *command)
-{
-    return strstr(command->arg, "...") != NULL;
-}
-
 /* Collect the command's arguments at the beginning of argv. */
 static void
 take_arg(struct ctl *c, char *argv[], int i)
@@ -353,7 +347,7 @@ take_words(struct ctl *c, int argc, char *argv[])
             rc = take_option(c, argv, &i);
         else if (!c->command)
             rc = find_command(c, argv[i]);
-        else if (c->command->arg && (!c->arg || takes_many(c->command)))
+        else if (c->command->arg && (!c->arg || strstr(c->command->arg, "...")))
             take_arg(c, argv, i);
         else if (c->command->run == ctl_run_key && !c->name)
             c->name = argv[i];

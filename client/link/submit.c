@@ -141,13 +141,6 @@ waited_since(struct submit *s, uint64_t ms)
     return (double)(submit_now_ms(s) - ms) >= 1000 * s->job->wait_s;
 }
 
-/* Is --wait over, for a coordinator or for workers of our own? */
-static bool
-waited(struct submit *s)
-{
-    return waited_since(s, s->start_ms);
-}
-
 /* Is --wait over without a worker, counted from when the job could have one? */
 static bool
 waited_for_worker(struct submit *s)
@@ -304,7 +297,7 @@ may_retry(struct submit *s, const struct rad_error *why)
         return rc;
     if (s->refused && !s->told_refused && s->stage < STAGE_ACCEPTED)
         s->start_ms = submit_now_ms(s);
-    if (s->stage < STAGE_ACCEPTED && waited(s))
+    if (s->stage < STAGE_ACCEPTED && waited_since(s, s->start_ms))
         return rad_fail(s->err, why->code, "%s", why->what);
     return 0;
 }

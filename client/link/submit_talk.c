@@ -39,14 +39,6 @@ submit_reach(struct submit *s, enum stage to)
 
 /* --- messages that may come at any time --- */
 
-/* Does the coordinator not take the job now, but perhaps later?  Of a job that
- * fails with that status it has told the progress before. */
-static bool
-is_refusal(const struct submit *s, const struct msg_failed *m)
-{
-    return s->stage < STAGE_KNOWN && m->status == EX_TEMPFAIL;
-}
-
 static void
 take_progress(struct submit *s, const struct msg_progress *m)
 {
@@ -69,7 +61,9 @@ take_failed(struct submit *s, const struct msg *m)
     if ((s->fetching && m->request == s->request) ||
         (s->cancelled && s->done)) /* it ended before CANCEL came */
         return 0;
-    s->refused = is_refusal(s, &m->failed);
+    /* not taken now, but perhaps later: of a job that fails with that status
+     * the coordinator has told the progress before */
+    s->refused = s->stage < STAGE_KNOWN && m->failed.status == EX_TEMPFAIL;
     s->over = !s->refused;
     if (s->cancelled)
         return submit_interrupted(s);

@@ -20,12 +20,6 @@ feeding_is_direct(const struct job *job, uint32_t index)
     return desk_is_ready(job, index) && job->workers[index].feeder == 0;
 }
 
-static uint32_t
-most_direct(const struct coord *c)
-{
-    return c->env.direct > 0 ? c->env.direct : DIRECT;
-}
-
 /* The number of links on the way from the coordinator to the worker; 0: the way
  * goes by worker not_by. */
 static uint32_t
@@ -71,7 +65,7 @@ choose_feeder(const struct coord *c, const struct job *job, uint32_t index)
     uint64_t least = UINT64_MAX;
     uint32_t best = 0, n;
 
-    if (count_direct(job, index) < most_direct(c))
+    if (count_direct(job, index) < (c->env.direct > 0 ? c->env.direct : DIRECT))
         return 0;
     for (uint32_t i = 0; i < job->nworkers; i++) {
         uint64_t k = (uint64_t)job->workers[i].failures << 32;

@@ -176,14 +176,6 @@ passes_ask(struct coord *c, struct job *job)
     s->reuse = REUSE_ASKED;
 }
 
-/* Is the first pass yet to come from the store?  Until it has come no pass is
- * opened, for the bytes of its records limit the other passes. */
-static bool
-awaits_first(const struct passes *s)
-{
-    return s->reuse != REUSE_NONE && s->open == 0;
-}
-
 /* Make the plan of the present stage. */
 static int
 make_plan(struct passes *s, const struct job *job, struct rad_error *err)
@@ -291,7 +283,9 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     open_frames(job);
     s->reuse = s->n > 0 && stages_reuse(job) ? REUSE_DUE : REUSE_NONE;
     passes_ask(c, job);
-    if (awaits_first(s))
+    /* until the first pass has come from the store no pass is opened, for the
+     * bytes of its records limit the other passes */
+    if (s->reuse != REUSE_NONE && s->open == 0)
         return 0;
     if (!open_passes(s))
         return rad_fail_memory(err);

@@ -14,12 +14,6 @@ static const char marker[] = ",\n \"units\": [";
 
 /* --- reading --- */
 
-static const char *
-find_units(const char *text, size_t len)
-{
-    return memmem(text, len, marker, strlen(marker));
-}
-
 /* The object that the text begins, closed where its units begin. */
 static json_t *
 read_head(const char *text, size_t len)
@@ -243,7 +237,7 @@ thin_out(struct units *u)
 int
 units_read(struct units *u, const char *text, size_t len, struct rad_error *err)
 {
-    const char *list = find_units(text, len);
+    const char *list = memmem(text, len, marker, strlen(marker));
     int rc;
 
     *u = (struct units){ 0 };

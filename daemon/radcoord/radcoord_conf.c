@@ -128,13 +128,6 @@ set_keep(struct radcoord *r)
     coord_set_keep(r->coord, &keep);
 }
 
-static void
-set_lease(struct radcoord *r)
-{
-    coord_set_lease_floor(r->coord,
-                          UINT64_C(1000) * (unsigned)r->set.lease_floor_s);
-}
-
 /* Size of the disk that holds the state folder [bytes]. */
 static uint64_t
 disk_bytes(const struct radcoord *r)
@@ -182,6 +175,7 @@ void
 radcoord_apply(struct radcoord *r)
 {
     set_keep(r);
-    set_lease(r);
+    coord_set_lease_floor(r->coord,
+                          UINT64_C(1000) * (unsigned)r->set.lease_floor_s);
     set_limits(r);
 }

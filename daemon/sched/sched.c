@@ -281,14 +281,6 @@ is_at_passes(const struct coord *c, const struct coord_worker *w)
             tiles_has(c, job, index));
 }
 
-/* Let the worker's threads no longer count for a job whose tiles it made. */
-static void
-leave_passes(const struct coord *c, struct coord_worker *w)
-{
-    if (w->fills && !is_at_passes(c, w))
-        attempt_fill(w, NULL);
-}
-
 /* Units of the job wait, and none was for this idle worker. */
 static void
 note_passed(const struct coord *c, struct job *job, uint32_t index)
@@ -312,7 +304,8 @@ sched_serve(struct coord *c, struct coord_worker *w)
     struct job *job;
 
     recall(c, w);
-    leave_passes(c, w);
+    if (w->fills && !is_at_passes(c, w))
+        attempt_fill(w, NULL); /* its threads no longer count for that job */
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     turn_begin(c, w);

@@ -30,12 +30,6 @@ round_up(double v)
     return v <= p ? p : v <= 2 * p ? 2 * p : v <= 5 * p ? 5 * p : 10 * p;
 }
 
-static double
-value_of(const struct history_point *p, bool rays)
-{
-    return rays ? p->rays_s : p->at_work;
-}
-
 /* A line through the points that are known, broken where none is. */
 static void
 put_line(struct markup *m, const struct history *h, bool rays, double top)
@@ -50,7 +44,8 @@ put_line(struct markup *m, const struct history *h, bool rays, double top)
 
         if (p->notes > 0)
             markup_print(m, "%c%.1f %.1f", on ? 'L' : 'M', x,
-                         HEIGHT - value_of(p, rays) / top * HEIGHT);
+                         HEIGHT -
+                             (rays ? p->rays_s : p->at_work) / top * HEIGHT);
         if (p->notes > 0 && !on) /* a point alone is seen, too */
             markup_print(m, "h.1");
         on = p->notes > 0;

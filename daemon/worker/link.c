@@ -253,12 +253,6 @@ caller_hello(struct worker *w, struct wcaller *k,
     match(w, k);
 }
 
-static size_t
-line_bytes(const struct msg_base_line *m)
-{
-    return (size_t)m->n * m->channels * 4 + m->ndensity;
-}
-
 /* Give the child a base line from a peer; false: the job has no such line. */
 static bool
 receive_line(struct worker *w, struct wjob *job, const struct msg *m)
@@ -267,7 +261,8 @@ receive_line(struct worker *w, struct wjob *job, const struct msg *m)
 
     if (!wjob_fits_line(job, &m->base_line))
         return false;
-    job->bytes_in += line_bytes(&m->base_line);
+    job->bytes_in += (size_t)m->base_line.n * m->base_line.channels * 4 +
+                     m->base_line.ndensity;
     if (job->child == 0 || job->state != WJOB_READY)
         return true;
     pass.base_line.job = job->id;

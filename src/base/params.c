@@ -146,12 +146,6 @@ field_of(struct rad_params *p, const struct option *o)
     return (char *)p + o->field;
 }
 
-static const void *
-field_in(const struct rad_params *p, const struct option *o)
-{
-    return (const char *)p + o->field;
-}
-
 void
 rad_params_init(struct rad_params *p)
 {
@@ -204,12 +198,6 @@ rad_params_switch(const char *word, const char *name, bool *on)
     return true;
 }
 
-static bool
-is_long(const struct option *o)
-{
-    return o->name[1] == '-';
-}
-
 /* The text after the name of a boolean or long option; NULL: another option. */
 static const char *
 name_ends(const struct option *o, const char *word)
@@ -223,7 +211,7 @@ name_ends(const struct option *o, const char *word)
     rest = word + n;
     if (o->kind == KIND_BOOL)
         return rad_params_switch(rest, "", &on) ? rest : NULL;
-    return *rest == '=' && is_long(o) ? rest + 1 : *rest ? NULL : rest;
+    return *rest == '=' && o->name[1] == '-' ? rest + 1 : *rest ? NULL : rest;
 }
 
 static const struct option *
@@ -673,7 +661,7 @@ static void
 format_option(const struct rad_params *p, const struct option *o, char *buf,
               size_t size)
 {
-    const void *field = field_in(p, o);
+    const void *field = (const char *)p + o->field;
     char num[8 * RAD_NUMBER_TEXT] = "";
 
     switch (o->kind) {

@@ -103,14 +103,6 @@ load_font(struct rad_job *job, int32_t index, const struct rad_files *files,
 }
 
 static int
-add_line(struct rad_job *job, struct text *t, const char *s, size_t len,
-         struct rad_error *err)
-{
-    return rad_textline_set(&t->line[t->nlines++], t->font, &job->arena, s, len,
-                            t->spacing, err);
-}
-
-static int
 set_lines(struct rad_job *job, struct text *t, const char *s, size_t len,
           struct rad_error *err)
 {
@@ -129,7 +121,9 @@ set_lines(struct rad_job *job, struct text *t, const char *s, size_t len,
         int code;
 
         eol = memchr(s, '\n', (size_t)(end - s));
-        code = add_line(job, t, s, (size_t)((eol ? eol : end) - s), err);
+        code =
+            rad_textline_set(&t->line[t->nlines++], t->font, &job->arena, s,
+                             (size_t)((eol ? eol : end) - s), t->spacing, err);
         if (code < 0)
             return code;
         s = eol ? eol + 1 : end;

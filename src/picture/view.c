@@ -335,13 +335,6 @@ rad_view_setup(struct rad_view *v, struct rad_error *err)
     return 0;
 }
 
-/* Height / width of the view plane. */
-static double
-plane_aspect(const struct rad_view *v)
-{
-    return sqrt(v->vn2 / v->hn2);
-}
-
 /* Round to the nearest integer, but to no more than `most`. */
 static int
 reduced(double size, int most)
@@ -353,7 +346,7 @@ void
 rad_view_resolution(const struct rad_view *v, double *pixaspect, int *xres,
                     int *yres)
 {
-    double aspect = plane_aspect(v);
+    double aspect = sqrt(v->vn2 / v->hn2); /* height over width */
 
     if (*pixaspect <= 0)
         *pixaspect = aspect * *xres / *yres;

@@ -223,12 +223,6 @@ value_at(const struct rad_false_scale *s, double place)
 
 /* --- colours --- */
 
-static double
-step_of(const struct rad_false_scale *s, double v)
-{
-    return (floor(v * s->divisions) + .5) / s->divisions;
-}
-
 static void
 scale_colour(const void *arg, double v, uint8_t rgb[3])
 {
@@ -236,7 +230,7 @@ scale_colour(const void *arg, double v, uint8_t rgb[3])
 
     v = v < 1 ? v : nextafter(1, 0);
     if (s->contour == RAD_CONTOUR_STEPS)
-        v = step_of(s, v);
+        v = (floor(v * s->divisions) + .5) / s->divisions;
     colour_at(&luminance_ramp, v, rgb);
 }
 

@@ -313,12 +313,6 @@ fill_leaf(void *arg, double value, const uint32_t at[4], int level)
                       rad_tree_above_rest(f->t, value), out, level);
 }
 
-static size_t
-count_cells(const struct bsdf_tree *t, const struct bsdf_slices *s)
-{
-    return (size_t)1 << s->res_log * (t->rank - 2);
-}
-
 /* Make a cell's running sums along the curve. */
 static void
 run_up(const double *block, struct bsdf_cell *cell)
@@ -351,7 +345,7 @@ make_slices(const struct bsdf_tree *t, struct bsdf_slices *s,
 
     s->reverse = reverse;
     s->res_log = t->finest < MAX_RES_LOG ? t->finest : MAX_RES_LOG;
-    n = count_cells(t, s);
+    n = (size_t)1 << s->res_log * (t->rank - 2);
     s->cell = rad_arena_calloc(arena, n, sizeof *s->cell);
     f.sum = calloc(n * NBLOCKS, sizeof *f.sum);
     if (!s->cell || !f.sum) {

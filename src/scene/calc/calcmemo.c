@@ -19,12 +19,6 @@ struct known {
     struct rad_calc_compiled is;
 };
 
-static uint64_t
-hash_of(const struct rad_calc *c, int context, const char *text)
-{
-    return rad_calc_hash(text) ^ ((uint64_t)context << 8 | c->offer);
-}
-
 static struct known **
 slot_of(struct rad_calc *c, uint64_t hash)
 {
@@ -71,7 +65,7 @@ int
 rad_calc_compile(struct rad_calc *c, int context, const char *text,
                  struct rad_calc_compiled *out, struct rad_error *err)
 {
-    uint64_t hash = hash_of(c, context, text);
+    uint64_t hash = rad_calc_hash(text) ^ ((uint64_t)context << 8 | c->offer);
     const struct known *k = find(c, hash, context, text);
 
     if (k) {
