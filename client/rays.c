@@ -42,27 +42,21 @@ take_option(struct rays_options *o, struct words *w, int at,
                   : rad_params_option(&o->params, w->n - at, w->list + at, err);
 }
 
-int
-rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
+/* Take all options before the first scene.  Returns the place of the word
+ * behind them. */
+static int
+take_options(struct rays_options *o, struct words *w, struct rad_error *err)
 {
-    int at = 0;
-
-    rad_params_init(&o->params);
-    o->irradiance = o->spectral = false;
-    o->ambfile = NULL;
-    o->commands = false;
-    for (;;) {
+    for (int at = 0;;) {
         int n, rc = words_expand(w, at, err);
         const char *word = w->list[at];
 
         if (rc < 0)
             return rc;
         if (!word || word[0] != '-' || word[1] == '\0')
-            break;
-        if (strcmp(word, "--") == 0) {
-            at++;
-            break;
-        }
+            return at;
+        if (strcmp(word, "--") == 0)
+            return at + 1;
         n = take_option(o, w, at, err);
         if (n < 0)
             return n;
@@ -70,6 +64,20 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", word);
         at += n;
     }
+}
+
+int
+rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
+{
+    int at;
+
+    rad_params_init(&o->params);
+    o->irradiance = o->spectral = false;
+    o->ambfile = NULL;
+    o->commands = false;
+    at = take_options(o, w, err);
+    if (at < 0)
+        return at;
     if (at == w->n)
         return rad_fail(err, RAD_EUSAGE, "no scene file");
     for (int i = at; i < w->n; i++)

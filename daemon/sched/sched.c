@@ -299,8 +299,8 @@ note_passed(const struct coord *c, struct job *job, uint32_t index)
 bool
 sched_serve(struct coord *c, struct coord_worker *w)
 {
-    bool done = false, taken = false, ahead = false;
-    int32_t floor = INT32_MIN;
+    bool done = false, ahead = false;
+    int64_t floor; /* jobs of a lower priority give nothing */
     struct job *job;
 
     recall(c, w);
@@ -309,16 +309,16 @@ sched_serve(struct coord *c, struct coord_worker *w)
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     turn_begin(c, w);
+    floor = w->priority;
     while (!done && (job = turn_next(c, w, !ahead))) {
         uint32_t index = desk_index(job, w);
 
-        taken = job->spec.priority < floor || job->spec.priority < w->priority;
         job->served = c->serving;
         if (turn_is_new(job, index)) {
             start_job(c, job, w);
             continue;
         }
-        if (!taken && job->stage == STAGE_OPEN &&
+        if (job->spec.priority >= floor && job->stage == STAGE_OPEN &&
             job->workers[index].state == PART_READY) {
             if (serve_job(c, job, w, index, &done))
                 return true;

@@ -430,6 +430,18 @@ side_of_horizon(const struct rad_patch *p, const struct rad_moments *m,
     return h > 0 ? 1 : -1;
 }
 
+/* Set dir and omega to those of a ring's centre, which lies in the hole and
+ * cannot be aimed at.  k: see at_point(). */
+static void
+aim_at_centre(struct rad_light_sample *s, const double to[3], double k)
+{
+    double d2 = rad_dot(to, to);
+
+    s->omega = k / (d2 * sqrt(d2));
+    rad_copy(s->dir, to);
+    rad_normalize(s->dir);
+}
+
 static void
 flat_sample(struct walk *w, const struct rad_patch *p,
             const struct rad_moments *m)
@@ -460,13 +472,7 @@ flat_sample(struct walk *w, const struct rad_patch *p,
             if (!exact(&s, w, p, m))
                 second_order(&s, view, m, k);
         } else if (p->kind == RAD_PATCH_SECTOR && p->r0 > 0) {
-            /* dir and omega are those of the ring's centre, which lies in the
-             * hole and cannot be aimed at */
-            double d2 = rad_dot(to, to);
-
-            s.omega = k / (d2 * sqrt(d2));
-            rad_copy(s.dir, to);
-            rad_normalize(s.dir);
+            aim_at_centre(&s, to, k);
         }
     }
     put(w, &s);
