@@ -113,7 +113,7 @@ summarize(struct summary *sum, const struct rad_scene *s)
         struct rad_extent e;
 
         sum->count[o->type]++;
-        if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+        if (!rad_otype_is_surface(o->type))
             continue;
         sum->surfaces++;
         sum->sources += rad_surface_lights(s, i);

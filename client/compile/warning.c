@@ -182,7 +182,7 @@ warning_dark(const struct compiled *c, bool indirect, char text[WARNING_SIZE])
     int32_t surfaces = 0;
 
     for (int32_t i = 0; i < s->nobjects; i++) {
-        if (rad_otype_class(s->objects[i].type) != RAD_CLASS_SURFACE)
+        if (!rad_otype_is_surface(s->objects[i].type))
             continue;
         surfaces++;
         if (gives_light(s, i, indirect))

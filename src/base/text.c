@@ -217,3 +217,13 @@ rad_text_json(const char *text, size_t n, char *out)
     }
     out[to] = '\0';
 }
+
+uint64_t
+rad_text_hash(const char *name)
+{
+    uint64_t h = UINT64_C(0xcbf29ce484222325);
+
+    for (; *name; name++)
+        h = (h ^ (unsigned char)*name) * UINT64_C(0x100000001b3);
+    return h ^ h >> 32;
+}

@@ -41,6 +41,10 @@ size_t rad_text_width(const char *s);
  * columns. */
 size_t rad_text_fit(const char *s, size_t columns);
 
+/* A hash of a name, for tables: FNV-1a, with its high half mixed in, since
+ * tables use the low bits. */
+uint64_t rad_text_hash(const char *name);
+
 /* Make n bytes of JSON text safe for a terminal: unsafe characters become
  * \uXXXX, which means the same, since they occur only in strings; newlines
  * stay.  out has RAD_TEXT_JSON_ROOM(n) bytes, and is terminated. */

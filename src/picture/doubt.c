@@ -46,8 +46,6 @@
  * (doc/measured.md). */
 #define PIXELS 1.3
 
-#define MOST_ERROR 1e6
-
 /* The largest ratio of light beyond -ab to a pixel's light, and the number of
  * further bounces that a path may have: white rooms get dark by them. */
 #define MOST_BEYOND 20.
@@ -656,20 +654,15 @@ rad_doubt_add(struct rad_doubt *to, const struct rad_doubt *more)
         to->v[i] += more->v[i];
 }
 
-/* NaN and negative numbers become 0, large numbers are cut. */
-static double
-sound(double x)
-{
-    return x > 0 ? fmin(x, MOST_ERROR * MOST_ERROR) : 0;
-}
-
 /* The mean over n areas, given the sum of their products and the sum of the
  * products' squares.  By chance the sum may be negative or near 0, so the
  * result is at least half of its own standard error. */
 static double
 mean_square(double n, double sum, double squares)
 {
-    return n >= 1 ? sound(fmax(sum / n, .5 * sqrt(sound(squares)) / n)) : 0;
+    return n >= 1 ? rad_doubt_sound(
+                        fmax(sum / n, .5 * sqrt(rad_doubt_sound(squares)) / n))
+                  : 0;
 }
 
 static double
@@ -680,8 +673,8 @@ ambient_square(const double *v)
     if (!(n >= 1))
         return 0;
     fresh = n / (n + AS_GOOD);
-    return fresh * DEEPER * sound(v[RAD_DOUBT_AMBIENT] / n) +
-           (1 - fresh) * sound(v[RAD_DOUBT_SAID] / n);
+    return fresh * DEEPER * rad_doubt_sound(v[RAD_DOUBT_AMBIENT] / n) +
+           (1 - fresh) * rad_doubt_sound(v[RAD_DOUBT_SAID] / n);
 }
 
 struct rad_error_squares
@@ -695,8 +688,9 @@ rad_doubt_squares(const struct rad_doubt *d)
                                    0 };
 
     if (v[RAD_DOUBT_AREAS] >= 1)
-        s.noise = fmin(PIXELS * sound(v[RAD_DOUBT_NOISE] / v[RAD_DOUBT_AREAS]),
-                       s.sampling);
+        s.noise = fmin(
+            PIXELS * rad_doubt_sound(v[RAD_DOUBT_NOISE] / v[RAD_DOUBT_AREAS]),
+            s.sampling);
     return s;
 }
 
@@ -705,10 +699,10 @@ rad_doubt_error(const struct rad_doubt *d)
 {
     struct rad_error_squares s = rad_doubt_squares(d);
 
-    return (struct rad_error_estimate){
-        fmin(sqrt(s.ambient), MOST_ERROR), fmin(sqrt(s.sampling), MOST_ERROR),
-        fmin(sqrt(s.ambient + s.sampling), MOST_ERROR)
-    };
+    return (struct rad_error_estimate){ fmin(sqrt(s.ambient), RAD_DOUBT_MOST),
+                                        fmin(sqrt(s.sampling), RAD_DOUBT_MOST),
+                                        fmin(sqrt(s.ambient + s.sampling),
+                                             RAD_DOUBT_MOST) };
 }
 
 double
@@ -718,7 +712,7 @@ rad_doubt_left_out(const struct rad_doubt *d)
 
     if (!(n >= 1))
         return 0;
-    more = sound(d->v[RAD_DOUBT_BEYOND] / n);
+    more = rad_doubt_sound(d->v[RAD_DOUBT_BEYOND] / n);
     return more / (1 + more);
 }
 
@@ -731,8 +725,9 @@ rad_doubt_of_mean(const struct rad_doubt_off *o, double n)
 
     if (!(n >= 2 && o->light > 0))
         return 0;
-    chance =
-        sound(o->square / (o->light * o->light) - square / n) * n / (n - 1);
-    return fmin(sqrt(DEEPER * sound(fmax(square - chance, .25 * chance))),
-                MOST_ERROR);
+    chance = rad_doubt_sound(o->square / (o->light * o->light) - square / n) *
+             n / (n - 1);
+    return fmin(
+        sqrt(DEEPER * rad_doubt_sound(fmax(square - chance, .25 * chance))),
+        RAD_DOUBT_MOST);
 }

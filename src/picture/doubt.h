@@ -24,6 +24,8 @@
 
 #include "picture/frame.h"
 
+#include <math.h>
+
 /* Sums over all areas and places that were looked at; those of several threads
  * add up.  Areas with contrast, and places where records predict errors, are
  * chosen more often, and each counts less for that. */
@@ -53,8 +55,19 @@ struct rad_error_estimate {
     double ambient, sampling, all;
 };
 
+/* The largest relative error that is told: nothing of the picture is right. */
+#define RAD_DOUBT_MOST 1e6
+
+/* The square of an error, or an estimate of it, as it is told: NaN and negative
+ * numbers become 0, large numbers are cut. */
+static inline double
+rad_doubt_sound(double square)
+{
+    return square > 0 ? fmin(square, RAD_DOUBT_MOST * RAD_DOUBT_MOST) : 0;
+}
+
 /* The relative errors that the sums stand for, whatever the sums are: each
- * result is a number from 0 to 1e6, and 1e6 means that nothing is right. */
+ * result is a number from 0 to RAD_DOUBT_MOST. */
 struct rad_error_estimate rad_doubt_error(const struct rad_doubt *d);
 
 /* The share of all light, from 0 to 1, that the picture lacks because it comes

@@ -96,9 +96,6 @@
 #define AMPLE_S 1e12
 #define QUICK_S 1e-12
 
-/* The largest error that is told: nothing of the picture is right. */
-#define MOST_ERROR 1e6
-
 /* --- options --- */
 
 /* Parts of an octave: what falls by an eighth of an octave with a rung falls by
@@ -357,13 +354,6 @@ rad_refine_add(struct rad_refine_sums *to, const struct rad_refine_sums *tile)
 
 /* --- decisions --- */
 
-/* NaN and negative numbers become 0, large numbers are cut. */
-static double
-sound(double x)
-{
-    return x > 0 ? fmin(x, MOST_ERROR * MOST_ERROR) : 0;
-}
-
 /* Eighths of an octave by which the square of the cache's error falls with a
  * rung, in five scenes on average.  In single scenes it falls by an eighth more
  * or less, which two stages tell that are at least APART quarters apart. */
@@ -459,8 +449,8 @@ look_out(const struct rad_refine_ask *ask)
     o.walk = fmin(WALKED * (double)ask->pixels, (1 - LEAST_MADE) * cache);
     o.made = cache - o.walk;
     if (ask->sums.shown >= 1)
-        o.picture =
-            sound(ask->sums.rays / ask->sums.shown) * (double)ask->pixels;
+        o.picture = rad_doubt_sound(ask->sums.rays / ask->sums.shown) *
+                    (double)ask->pixels;
     return o;
 }
 
@@ -530,7 +520,7 @@ static double
 foresee_wait(const struct outlook *o, int ambient, int pixel)
 {
     const struct rad_refine_ask *ask = o->ask;
-    double windows = fmin(sound(ask->sums.rays), o->check);
+    double windows = fmin(rad_doubt_sound(ask->sums.rays), o->check);
     double half = (o->check - windows) / 2;
 
     return foresee_passes(o, ambient) * ask->pass_s +
@@ -587,7 +577,7 @@ bounds_of(const struct rad_refine_ask *ask)
     struct bounds b = unbound;
 
     if (has_clock(ask))
-        b.seconds = known ? TIME_USED * sound(ask->left_s) : 0;
+        b.seconds = known ? TIME_USED * rad_doubt_sound(ask->left_s) : 0;
     else
         b.rays = fmax(RAYS_A_PIXEL * (double)ask->pixels, ALWAYS_RAYS);
     return b;
@@ -818,7 +808,8 @@ rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
         try_before(&o, &best);
     else if (!best.ends)
         shorten_step(&o, &best);
-    *error = fmin(sqrt(best.ends ? best.square : square_now(&o)), MOST_ERROR);
+    *error =
+        fmin(sqrt(best.ends ? best.square : square_now(&o)), RAD_DOUBT_MOST);
     next->ambient = (uint8_t)least(best.ambient, RAD_REFINE_MOST_AMBIENT);
     next->pixel =
         (uint8_t)least(best.pixel, best.ends ? RAD_REFINE_MOST_PIXEL : ONE_RAY);

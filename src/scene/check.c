@@ -34,12 +34,6 @@ struct checker {
     int32_t *depth;        /* by object: rad_scene_nesting() */
 };
 
-static bool
-is_surface(const struct rad_object *o)
-{
-    return rad_otype_class(o->type) == RAD_CLASS_SURFACE;
-}
-
 /* Report a problem of object o: to `each`, and in c->err if it is the first.  A
  * problem of a modifier that no surface uses becomes a warning. */
 __attribute__((format(printf, 4, 5))) static void
@@ -47,7 +41,8 @@ report(struct checker *c, const struct rad_object *o, int code, const char *fmt,
        ...)
 {
     struct rad_error err = { 0 };
-    bool used = is_surface(o) || c->reached[o - c->scene->objects];
+    bool used =
+        rad_otype_is_surface(o->type) || c->reached[o - c->scene->objects];
     char text[sizeof err.what];
     va_list ap;
 
@@ -570,7 +565,7 @@ check_reached(struct checker *c, const struct rad_object *o)
         (o->modifier == RAD_VOID || c->depth[o->modifier] <= RAD_MAX_NESTED))
         report(c, o, RAD_EDATA, "modifiers are nested more than %d deep",
                RAD_MAX_NESTED);
-    if (is_surface(o))
+    if (rad_otype_is_surface(o->type))
         check_surface(c, o);
     else
         check_material(c, o);

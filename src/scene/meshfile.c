@@ -333,7 +333,7 @@ get_modifiers(struct reading *r, struct rad_scene *s, int32_t file)
         return;
     r->nmods = s->nobjects - f->first;
     for (int32_t i = f->first; i < s->nobjects; i++)
-        if (rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE) {
+        if (rad_otype_is_surface(s->objects[i].type)) {
             rad_octin_bad(f, "a surface among the modifiers of a mesh");
             return;
         }

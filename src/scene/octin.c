@@ -293,8 +293,7 @@ get_modifier(struct rad_octin *f, const struct rad_scene *s, int32_t *modifier)
     if (f->rc)
         return f->rc;
     if (m < RAD_VOID || m >= s->nobjects - f->first ||
-        (m >= 0 &&
-         rad_otype_class(s->objects[f->first + m].type) == RAD_CLASS_SURFACE))
+        (m >= 0 && rad_otype_is_surface(s->objects[f->first + m].type)))
         return rad_octin_bad(f, "object %ld has a bad modifier",
                              (long)(s->nobjects - f->first));
     *modifier = m == RAD_VOID ? RAD_VOID : f->first + (int32_t)m;

@@ -260,7 +260,7 @@ collect_surfaces(struct builder *b)
     int32_t n = 0;
 
     for (int32_t i = 0; i < rad_scene_own(s); i++)
-        max += rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE;
+        max += rad_otype_is_surface(s->objects[i].type);
     b->extents = malloc((max + 1) * sizeof *b->extents);
     b->index = malloc((max + 1) * sizeof *b->index);
     if (!b->extents || !b->index) {
@@ -268,7 +268,7 @@ collect_surfaces(struct builder *b)
         return 0;
     }
     for (int32_t i = 0; i < rad_scene_own(s); i++)
-        if (rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE &&
+        if (rad_otype_is_surface(s->objects[i].type) &&
             rad_extent_of(&s->objects[i], &b->extents[n]))
             b->index[n++] = i;
     return n;

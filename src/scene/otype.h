@@ -5,6 +5,8 @@
 #ifndef RAD_SCENE_OTYPE_H
 #define RAD_SCENE_OTYPE_H
 
+#include <stdbool.h>
+
 enum rad_oclass {
     RAD_CLASS_SURFACE,
     RAD_CLASS_MATERIAL, /* ends a modifier chain: gives a radiance */
@@ -24,5 +26,11 @@ enum rad_otype {
 const char *rad_otype_name(enum rad_otype t);
 enum rad_oclass rad_otype_class(enum rad_otype t);
 int rad_otype_find(const char *name); /* -1: no such type */
+
+static inline bool
+rad_otype_is_surface(enum rad_otype t)
+{
+    return rad_otype_class(t) == RAD_CLASS_SURFACE;
+}
 
 #endif

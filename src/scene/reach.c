@@ -65,7 +65,7 @@ reach_surfaces(const struct rad_scene *s, int32_t first, int32_t n,
                uint8_t *reached)
 {
     for (int32_t i = first; i < first + n; i++)
-        if (rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE)
+        if (rad_otype_is_surface(s->objects[i].type))
             reached[i] = 1;
 }
 
@@ -132,7 +132,7 @@ rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
         rad_scene_reach(s, reached);
     for (int32_t i = 0; i < s->nobjects; i++)
         if (!reached || reached[i] || /* if memory is out, every type */
-            rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE)
+            rad_otype_is_surface(s->objects[i].type))
             needs[s->objects[i].type] = true;
     free(reached);
 }

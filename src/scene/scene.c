@@ -8,6 +8,7 @@
 
 #include "scene/scene.h"
 #include "base/list.h"
+#include "base/text.h"
 #include "scene/meshfile.h"
 
 #include <math.h>
@@ -96,17 +97,6 @@ reserve_object(struct rad_scene *s, struct rad_error *err)
     return rad_list_grow(&s->objects, n, sizeof *s->objects)
                ? 0
                : out_of_memory(err);
-}
-
-/* FNV-1a, with its high half mixed in, since the table uses the low bits. */
-static uint64_t
-hash_name(const char *name)
-{
-    uint64_t h = UINT64_C(0xcbf29ce484222325);
-
-    for (; *name; name++)
-        h = (h ^ (unsigned char)*name) * UINT64_C(0x100000001b3);
-    return h ^ h >> 32;
 }
 
 /* The entry of a name, or the free one where it would go; t->size is not 0. */
@@ -216,7 +206,7 @@ index_name(struct rad_scene *s, int32_t index, struct rad_error *err)
 {
     struct rad_names *t = s->names;
     const char *name = s->objects[index].name;
-    uint64_t hash = hash_name(name);
+    uint64_t hash = rad_text_hash(name);
     struct name_entry *e;
 
     if (t->used >= t->size / 2 && grow_names(t, err))
@@ -306,7 +296,7 @@ rad_scene_add(struct rad_scene *s, const struct rad_object *o,
     if (rc)
         return rc;
     s->objects[s->nobjects] = copy;
-    if (rad_otype_class(o->type) != RAD_CLASS_SURFACE) {
+    if (!rad_otype_is_surface(o->type)) {
         rc = index_name(s, s->nobjects, err);
         if (rc)
             return rc;
@@ -324,7 +314,7 @@ rad_scene_find_modifier(const struct rad_scene *s, const char *name,
 
     if (t->size == 0)
         return RAD_VOID;
-    e = find_entry(t, name, hash_name(name));
+    e = find_entry(t, name, rad_text_hash(name));
     hi = e->name ? e->ndefs : 0;
     if (hi && e->defs[hi - 1] < before)
         return e->defs[hi - 1];

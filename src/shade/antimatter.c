@@ -54,7 +54,7 @@ begin(struct rad_job *job)
     for (int32_t i = 0; i < scene->nobjects; i++) {
         const struct rad_object *o = &scene->objects[i];
 
-        if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+        if (!rad_otype_is_surface(o->type))
             job->first_like[i] = rad_scene_find_modifier(scene, o->name, i + 1);
     }
     return true;
@@ -69,7 +69,7 @@ mark(struct rad_job *job, int32_t m)
         return;
     for (int32_t i = m; i < job->scene->nobjects; i++)
         if (job->first_like[i] == m &&
-            rad_otype_class(job->scene->objects[i].type) != RAD_CLASS_SURFACE)
+            !rad_otype_is_surface(job->scene->objects[i].type))
             job->cut[i] = 1;
 }
 

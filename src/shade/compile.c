@@ -48,7 +48,7 @@ compile_geometry(struct rad_job *job, struct rad_error *err)
     for (int32_t i = 0; i < n; i++) {
         enum rad_otype type = job->scene->objects[i].type;
 
-        if (rad_otype_class(type) == RAD_CLASS_SURFACE)
+        if (rad_otype_is_surface(type))
             surf[i] = surface_flags(job, i);
     }
     job->geom = rad_geom_new(job->scene, surf, 0, err);

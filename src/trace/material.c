@@ -57,7 +57,7 @@ bool
 rad_surface_lights(const struct rad_scene *scene, int32_t i)
 {
     const struct rad_object *o = &scene->objects[i];
-    int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE
+    int32_t m = rad_otype_is_surface(o->type)
                     ? rad_material_of(scene, o->modifier)
                     : RAD_VOID;
 
@@ -189,12 +189,6 @@ rad_material_file(const struct rad_job *job, const struct rad_object *o,
     return rad_material_file_fail(job, o, name, &why, err);
 }
 
-static bool
-is_surface(const struct rad_object *o)
-{
-    return rad_otype_class(o->type) == RAD_CLASS_SURFACE;
-}
-
 int
 rad_materials_compile(struct rad_job *job, const struct rad_files *files,
                       struct rad_error *err)
@@ -205,7 +199,7 @@ rad_materials_compile(struct rad_job *job, const struct rad_files *files,
     int code = 0;
 
     reached = calloc((size_t)n + 1, sizeof *reached);
-    while (n > 0 && is_surface(&scene->objects[n - 1]))
+    while (n > 0 && rad_otype_is_surface(scene->objects[n - 1].type))
         n--;
     job->materials =
         rad_arena_calloc(&job->arena, (size_t)n, sizeof *job->materials);
@@ -215,7 +209,7 @@ rad_materials_compile(struct rad_job *job, const struct rad_files *files,
     }
     rad_scene_reach(scene, reached);
     for (int32_t i = 0; i < n && code == 0; i++)
-        if (reached[i] && !is_surface(&scene->objects[i]))
+        if (reached[i] && !rad_otype_is_surface(scene->objects[i].type))
             code = compile_modifier(job, i, files, err);
     free(reached);
     return code;

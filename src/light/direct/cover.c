@@ -78,7 +78,7 @@ find_best(const struct rad_job *job, struct place *places, size_t n)
     for (int32_t i = 0; n > 0 && i < rad_scene_own(scene); i++) {
         struct place *at, key;
 
-        if (rad_otype_class(scene->objects[i].type) != RAD_CLASS_SURFACE)
+        if (!rad_otype_is_surface(scene->objects[i].type))
             continue;
         key = place_of(scene->objects, i);
         at = bsearch(&key, places, n, sizeof key, compare);

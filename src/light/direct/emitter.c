@@ -47,7 +47,7 @@ rad_emitter_of(const struct rad_job *job, int32_t obj)
     const struct rad_material *mat;
     int32_t m;
 
-    if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+    if (!rad_otype_is_surface(o->type))
         return NULL;
     m = rad_material_of(job->scene, o->modifier);
     if (m == RAD_VOID)

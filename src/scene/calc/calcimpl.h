@@ -77,9 +77,6 @@ double rad_calc_luminaire(enum luminaire which, const double *v,
 /* The global definitions. */
 extern const char rad_calc_standard[];
 
-/* FNV-1a of a text. */
-uint64_t rad_calc_hash(const char *text);
-
 /* The meaning of names may change: forget compiled expressions (calcmemo.c). */
 void rad_calc_forget(struct rad_calc *c);
 

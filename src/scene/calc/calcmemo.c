@@ -7,6 +7,7 @@
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
+#include "base/text.h"
 
 #include <string.h>
 
@@ -65,7 +66,7 @@ int
 rad_calc_compile(struct rad_calc *c, int context, const char *text,
                  struct rad_calc_compiled *out, struct rad_error *err)
 {
-    uint64_t hash = rad_calc_hash(text) ^ ((uint64_t)context << 8 | c->offer);
+    uint64_t hash = rad_text_hash(text) ^ ((uint64_t)context << 8 | c->offer);
     const struct known *k = find(c, hash, context, text);
 
     if (k) {

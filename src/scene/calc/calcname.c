@@ -7,6 +7,7 @@
 
 #include "scene/calc/calcimpl.h"
 #include "base/list.h"
+#include "base/text.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -20,16 +21,6 @@ static int
 no_memory(struct rad_error *err)
 {
     return rad_fail(err, RAD_ENOMEM, "out of memory for functions");
-}
-
-uint64_t
-rad_calc_hash(const char *name)
-{
-    uint64_t h = UINT64_C(0xcbf29ce484222325);
-
-    for (; *name; name++)
-        h = (h ^ (unsigned char)*name) * UINT64_C(0x100000001b3);
-    return h ^ h >> 32;
 }
 
 static int32_t *
@@ -48,7 +39,7 @@ find_slot(const struct rad_calc *c, const char *name, uint64_t hash)
 static int32_t
 lookup(const struct rad_calc *c, const char *name)
 {
-    return c->nslot ? *find_slot(c, name, rad_calc_hash(name)) : -1;
+    return c->nslot ? *find_slot(c, name, rad_text_hash(name)) : -1;
 }
 
 static int
@@ -80,7 +71,7 @@ find_library(const char *name)
 static int32_t
 insert(struct rad_calc *c, const char *name, struct rad_error *err)
 {
-    struct symbol s = { .hash = rad_calc_hash(name),
+    struct symbol s = { .hash = rad_text_hash(name),
                         .code = -1,
                         .channel = -1 };
 

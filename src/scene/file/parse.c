@@ -259,7 +259,7 @@ read_name(struct reader *r, const struct rad_object *o, char *name,
     strcpy(name, r->lex.word);
     if (strchr(name, '\t'))
         return rad_fail(err, RAD_EDATA, "tab in name '%s'", name);
-    if (rad_otype_class(o->type) != RAD_CLASS_SURFACE &&
+    if (!rad_otype_is_surface(o->type) &&
         (strcmp(name, "void") == 0 || strcmp(name, "inherit") == 0))
         return rad_fail(err, RAD_EDATA, "a %s cannot be called '%s'",
                         rad_otype_name(o->type), name);
