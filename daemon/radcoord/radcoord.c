@@ -110,13 +110,11 @@ on_action(void *arg, const struct action *a)
 
     switch (a->type) {
     case ACT_SEND_FILE:
-        send_source(r, a, true);
+    case ACT_SEND_PICTURE:
+        send_source(r, a, a->type == ACT_SEND_FILE);
         break;
     case ACT_DROP_FILES:
         transfers_drop_files(r->transfers, a->conn);
-        break;
-    case ACT_SEND_PICTURE:
-        send_source(r, a, false);
         break;
     case ACT_JOB_OPEN:
         open_job(r, a->job);
