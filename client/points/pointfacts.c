@@ -170,8 +170,9 @@ pointfacts_find(struct pointfacts *p, const double org[3], const double dir[3],
             rad_ray_flip(&r);
         rad_ray_normal(&r, out->perturbed);
         tell_names(scene, r.hit.obj, out);
-    } else if (!(reach < INFINITY) &&
-               rad_source_behind(&p->ctx, &r) != RAD_VOID) {
+    } else if (reach < INFINITY) {
+        rad_madd(out->at, org, reach, dir);
+    } else if (rad_source_behind(&p->ctx, &r) != RAD_VOID) {
         rad_copy(out->normal, r.n);
         rad_copy(out->perturbed, r.n);
         tell_names(scene, job->sources->list[r.far_source].obj, out);

@@ -15,7 +15,8 @@ struct pointfacts;
 struct pointfact {
     double length;       /* to the first surface; 1e10: there is none, or it is
                           * infinitely far */
-    double at[3];        /* that point; or the origin */
+    double at[3];        /* that point; else where -ld ends the ray, or else
+                          * the origin */
     double normal[3];    /* of the surface; zeros: no surface */
     double perturbed[3]; /* normal after textures, on the ray's side */
     const char *surface, *modifier, *material; /* names; "*": no surface */

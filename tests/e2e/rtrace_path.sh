@@ -41,6 +41,9 @@ says() # LINE: each number on it is that of the output
 status 0 rtrace -h -w- -oL box.oct
 says '10 7'
 [ ! -s err ] || fail "rtrace says nothing of what goes well: $(cat err)"
+# what -ld ends meets nothing, and its end is told
+status 0 "printf '1 0 0 0 0 3\n0 0 0 0 12 0\n' | rtrace -h- -ld+ -opL box.oct"
+says '1 0 3 1e10 0 10 0 10'
 # bifacial_radiance ends lines with returns
 status 0 "printf '0 0 0 0 0 1 \r3 0 0 1 0 0 \r' | rtrace -h- -oL box.oct"
 says '10 7'
