@@ -154,6 +154,9 @@ wait $! || fail "rpiece: $(cat err)"
 grep -aq -- '-vs 0.25 -vl 0.5' rest || fail "rpiece: views do not add up"
 grep -aqx FRAME=2 rest || fail "rpiece: no second picture"
 
+status 0 rpict -S 1 room.oct
+grep -q 'no output produced' err || fail "no view, and nothing said: $(cat err)"
+
 # --- what is refused, with rpict's statuses
 status 1 rpict -zz room.oct
 status 1 rpict $vw room.oct other.oct
@@ -172,6 +175,9 @@ refused "'a:1' is an expression" rpict -e a:1 $vw room.oct
 refused "'-f' of rpict" rpict -f a.cal $vw room.oct
 refused "'-ap' of rpict" rpict -ap a.pm 50 $vw room.oct
 refused "'-features'" rpict -features
+for word in -I -h -hn -ld -ov -ff; do # rtrace's
+    refused "at '$word'" rpict $vw $word room.oct
+done
 status 1 rpict -vu 0 1 0 room.oct
 status 2 rpict $vw nothing.oct
 status 2 rpict $vw -x 8 -y 8 -o e.unf room.oct
