@@ -18,6 +18,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* --- what the conversation tells (submit.h) --- */
 
@@ -211,6 +212,14 @@ program_run_job(struct program *p)
     return rc;
 }
 
+/* The trial begins without values, and the job that it predicts may not. */
+static void
+say_of_former_values(const struct submit_options *o)
+{
+    if (o->reuse || (o->ambient && access(o->ambient, R_OK) == 0))
+        puts("reuse    without the ambient values that the job begins with");
+}
+
 int
 program_run_dry(struct program *p)
 {
@@ -231,6 +240,7 @@ program_run_dry(struct program *p)
     program_loop_free_signals(&p->loop, NULL, was);
     dryrun_print(&p->job.spec, &p->prediction,
                  p->o.quality_whole ? p->o.quality : -1, &c);
+    say_of_former_values(&p->o);
     rc = tell_printed(
         p->err); /* before --stats, which may go to the same pipe */
     program_loop_catch_signals(&p->loop, was);

@@ -44,6 +44,20 @@ check_close ambient_values
 needs=$(sed -n '/"needs"/,/]/p' dry.json)
 [ "$needs" = "$(sed -n '/"needs"/,/]/p' real.json)" ] || fail "other needs"
 
+# that the job will begin with the values of a file is said once there is one
+told_of_values() # how often
+{
+    # shellcheck disable=SC2086
+    "$radsubmit" --dry-run -af values.amb $view $indirect "$room" >said 2>err ||
+        fail "--dry-run with -af: $(cat err)"
+    [ "$(grep -c '^reuse ' said)" -eq "$1" ] || fail "with -af: $(cat said)"
+}
+told_of_values 0
+# shellcheck disable=SC2086
+"$radsubmit" --local -af values.amb $view $indirect -o real.hdr "$room" \
+    2>err || fail "-af: $(cat err)"
+told_of_values 1
+
 # a small picture is tried as a whole
 small="-vf $scenes/room.vf -pa 0 -x 40 -y 40 -ab 0"
 # shellcheck disable=SC2086
