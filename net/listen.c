@@ -254,8 +254,7 @@ new_listener(const struct address *a, const struct listener_conf *conf)
     return NULL;
 }
 
-/* Open and bind the socket.  Returns it, a negative error number, or
- * RAD_ECANTCREAT with *err set. */
+/* Open and bind the socket.  Returns it, or RAD_ECANTCREAT. */
 static int
 open_socket(struct listener *l, const char *where, struct rad_error *err)
 {
@@ -266,7 +265,10 @@ open_socket(struct listener *l, const char *where, struct rad_error *err)
         return RAD_ECANTCREAT;
     if (rc == 1)
         unlink(path);
-    return listener_socket(&l->at, where, BACKLOG);
+    rc = listener_socket(&l->at, where, BACKLOG);
+    return rc >= 0 ? rc
+                   : rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s",
+                              where, uv_strerror(rc));
 }
 
 static void
@@ -326,9 +328,6 @@ listener_open(uv_loop_t *loop, const char *where,
     }
     l->fd = open_socket(l, where, err);
     if (l->fd < 0) {
-        if (l->fd != RAD_ECANTCREAT) /* uv_strerror() leaks for others' codes */
-            rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s", where,
-                     uv_strerror(l->fd));
         free_listener(l);
         return NULL;
     }
