@@ -37,8 +37,7 @@ check_unit(const struct render *r, const struct msg_unit *u,
         return rad_fail(err, RAD_EPROTO, "unit %u comes without its cache",
                         u->unit);
     f = &r->frames[u->frame];
-    if (u->width < 1 || u->height < 1 || u->width > (uint32_t)f->width ||
-        u->height > (uint32_t)f->height ||
+    if (u->width > (uint32_t)f->width || u->height > (uint32_t)f->height ||
         u->x > (uint32_t)f->width - u->width ||
         u->y > (uint32_t)f->height - u->height)
         return rad_fail(err, RAD_EPROTO, "unit %u lies outside the picture",
