@@ -6,7 +6,7 @@
  * distributed like the hits of hemispheres' rays.  A record that the last round
  * of paths misses is made by the tile that needs it.  The ends of a round are
  * put in the order of a tree (parts.h), and a tile has an interval of them: a
- * compact part of space.
+ * compact part of space.  It asks in the order of paths.
  *
  * Pixels.  A tile has a square of its lattice's pixels. */
 #include "config.h"
@@ -442,18 +442,39 @@ is_over(const struct limit *until)
            until->ctx->counts.ambient_rays - until->walked >= until->rays;
 }
 
-/* Ask for records at the ends that are the tile's. */
-static void
+/* Compare two numbers of paths, for qsort(). */
+static int
+compare_paths(const void *a, const void *b)
+{
+    const uint32_t *x = a, *y = b;
+
+    return (*x > *y) - (*x < *y);
+}
+
+/* Ask for records at the ends that are the tile's, in the order of paths: they
+ * are random.  In the order of the tree, from one side of the tile's part of
+ * space to the other, each record would lie on the same side of the places that
+ * it serves, and there be too much or too little light with it.  False: out of
+ * memory. */
+static bool
 ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx,
                 const struct rad_pass *pass, uint32_t tile, struct limit *until)
 {
     const struct ends *e = ends_of(p, pass);
     uint32_t first, all = rad_pass_round(pass, &first);
-    uint64_t from = (uint64_t)e->n * (first + tile) / all;
-    uint64_t to = (uint64_t)e->n * (first + tile + 1) / all;
+    size_t from = (size_t)((uint64_t)e->n * (first + tile) / all);
+    size_t n = (size_t)((uint64_t)e->n * (first + tile + 1) / all) - from;
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    uint32_t *path = rad_arena_alloc(&ctx->scratch, (n + 1) * sizeof *path);
 
-    for (; from < to && !is_over(until); from++)
-        ask_at_end(p, ctx, pass, e->path[from], &until->walked);
+    if (!path)
+        return false;
+    memcpy(path, e->path + from, n * sizeof *path);
+    qsort(path, n, sizeof *path, compare_paths);
+    for (size_t i = 0; i < n && !is_over(until); i++)
+        ask_at_end(p, ctx, pass, path[i], &until->walked);
+    rad_arena_rewind(&ctx->scratch, mark);
+    return true;
 }
 
 /* --- paths of a pass that walks --- */
@@ -744,7 +765,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
     own.end = pass->rays ? until.rays + pass->rays : UINT64_MAX;
     ctx->no_direct = true; /* only hits of hemispheres need direct light */
     if (pass->level > 0)
-        ask_along_paths(p, ctx, pass, tile, &until);
+        own.failed |= !ask_along_paths(p, ctx, pass, tile, &until);
     else
         ask_along_lattice(p, ctx, pass, tile, &until, &patch);
     ctx->no_direct = false;

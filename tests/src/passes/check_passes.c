@@ -632,6 +632,54 @@ make_all(struct room *m, struct rad_passes *p, struct rad_pass pass)
     return list.n;
 }
 
+/* The squared distance between the mean places of a list's first and second
+ * half, over what is expected of a random order: 1 in the mean. */
+static double
+unevenness(const struct list *l)
+{
+    size_t half = l->n / 2;
+    double off = 0;
+
+    for (int axis = 0; axis < 3; axis++) {
+        double sum[2] = { 0, 0 }, sum2 = 0, mean, d;
+
+        for (size_t i = 0; i < 2 * half; i++) {
+            sum[i / half] += l->rec[i].p[axis] / (double)half;
+            sum2 += l->rec[i].p[axis] * l->rec[i].p[axis] / (double)(2 * half);
+        }
+        mean = (sum[0] + sum[1]) / 2;
+        d = sum[0] - sum[1];
+        off += d * d / ((sum2 - mean * mean) * 2 / (double)half) / 3;
+    }
+    return off;
+}
+
+/* Else each record would be on the same side of the places that it serves. */
+TEST(deep_records_are_made_in_no_order_of_places)
+{
+    static struct list list;
+    struct room *m = &rooms[0];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_passes *p;
+    double off = 0;
+
+    open_room(m, "-ab 2");
+    plan(m, pass);
+    p = rad_passes_new(&m->frame, 1, NULL);
+    ck_assert_int_eq(pass[1].level, 1);
+    ck_assert_uint_ge(pass[1].tiles, 4);
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[1], NULL), 0);
+    for (uint32_t k = 0; k < pass[1].tiles; k++) {
+        list.n = 0;
+        make_tile(m, p, &pass[1], k, &list);
+        ck_assert_uint_gt(list.n, 15);
+        off += unevenness(&list) / pass[1].tiles;
+    }
+    ck_assert_msg(off < 2.5, "%g", off);
+    rad_passes_free(p);
+    close_room(m);
+}
+
 /* It has the first of the records that it has without a limit; and what tiles
  * leave out the last passes ask for. */
 TEST(a_tile_ends_when_it_has_traced_its_rays)
