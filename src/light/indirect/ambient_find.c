@@ -27,7 +27,7 @@
 /* The test for a light leak takes a ray.  If the question is only whether some
  * record serves, and for deep records of a frozen cache, up to MOST_PUT_OFF
  * records that need the test are put off, and left out if other records have
- * the weight ENOUGH_DEEP. */
+ * the weight ENOUGH_DEEP.  Those put off are tested from the nearest one on. */
 #define ENOUGH_DEEP  .05
 #define MOST_PUT_OFF 24
 
@@ -35,8 +35,12 @@
  * degrees. */
 #define RISE .36397023426620234
 
-/* A search for deep records of a frozen cache ends when those found serve with
- * this weight: each of the many rays of a hemisphere makes such a search. */
+/* A search for deep records of a frozen cache leaves out larger zones when
+ * those found serve with this weight: each of the many rays of a hemisphere
+ * makes such a search.  It does not end among zones of one size: these come in
+ * the order in which tiles made them, which goes through the scene from one
+ * side to the other, so records on that side would serve more places than
+ * others. */
 #define ENOUGH_FOR_RAYS .1
 
 /* The largest angle between normals is ten degrees and -aa radians, and more
@@ -105,6 +109,13 @@ part_of_turn(float u, float v)
     return v < 0 ? 31 - part : part;
 }
 
+/* A record that is tested later for a light leak. */
+struct put_off {
+    const struct rad_ambitem *item;
+    float dist;  /* of the place [radii] */
+    bool frozen; /* it is the frozen cache's */
+};
+
 /* A search for the records that serve at a place. */
 struct search {
     const struct rad_ambient *amb;
@@ -124,14 +135,14 @@ struct search {
     double lum2, var, w2;
     bool frozen; /* records that come now are the frozen cache's */
     const struct rad_ambasker *asker;
-    double enough; /* the search ends when `serves` is more */
+    double enough; /* larger zones are left out when `serves` is more */
     bool doubts;   /* lum2, var and w2 are wanted */
     bool spares;   /* records that need a test for leaks are put off */
     int nput_off;
-    const struct rad_ambitem **put_off; /* [MOST_PUT_OFF] */
+    struct put_off *put_off; /* [MOST_PUT_OFF] */
 };
 
-/* Is the search over? */
+/* Do the records found suffice? */
 static inline bool
 is_answered(const struct search *s)
 {
@@ -198,7 +209,7 @@ add_record(struct search *s, const struct rad_ambitem *it)
         return;
     if (it->corral && it->corral >> part_of_turn(u, v) & 1) {
         if (s->spares && s->nput_off < MOST_PUT_OFF) {
-            s->put_off[s->nput_off++] = it;
+            s->put_off[s->nput_off++] = (struct put_off){ it, dist, s->frozen };
             return;
         }
         if (is_walled_off(s->amb, s->at, it, s->asker->counts, s->asker->rays))
@@ -229,13 +240,20 @@ add_record(struct search *s, const struct rad_ambitem *it)
     s->E[2] += w * (double)says.E.b;
 }
 
+/* Is nothing more to be learned, whatever the records that come next are? */
+static inline bool
+is_over(const struct search *s)
+{
+    return s->asker->only && is_answered(s);
+}
+
 /* rad_ambcache_fn */
 static bool
 add_records(void *arg, const struct rad_ambitem *const *found, int n)
 {
-    for (int i = 0; i < n && !is_answered(arg); i++)
+    for (int i = 0; i < n && !is_over(arg); i++)
         add_record(arg, found[i]);
-    return !is_answered(arg);
+    return !is_over(arg);
 }
 
 /* rad_ambcache_more_fn: if records with small zones serve well enough, larger
@@ -250,19 +268,22 @@ want_more(void *arg, double side)
             side * s->amb->scale.ambacc <= s->amb->scale.least);
 }
 
-/* Test records that were put off, until those found are enough; the first
- * `frozen` of them are the frozen cache's. */
+/* Test records that were put off, until those found are enough. */
 static void
-look_at_put_off(struct search *s, int frozen)
+look_at_put_off(struct search *s)
 {
     s->spares = false;
-    for (int i = 0; i < s->nput_off && !is_answered(s) &&
-                    (s->asker->only || s->weight < ENOUGH_DEEP);
-         i++) {
-        s->frozen = i < frozen;
-        add_record(s, s->put_off[i]);
+    while (s->nput_off > 0 && !is_answered(s) &&
+           (s->asker->only || s->weight < ENOUGH_DEEP)) {
+        struct put_off *next = s->put_off;
+
+        for (int i = 1; i < s->nput_off; i++)
+            if (s->put_off[i].dist < next->dist)
+                next = &s->put_off[i];
+        s->frozen = next->frozen;
+        add_record(s, next->item);
+        *next = s->put_off[--s->nput_off];
     }
-    s->frozen = false;
 }
 
 /* Add the records that meet the query to the sums. */
@@ -271,7 +292,6 @@ search_once(struct search *s, const struct rad_ambquery *q)
 {
     const struct rad_ambient *amb = s->amb;
     const struct rad_ambtile *tile = s->asker->tile;
-    int frozen;
 
     s->frozen = amb->frozen;
     if (amb->frozen)
@@ -280,10 +300,9 @@ search_once(struct search *s, const struct rad_ambquery *q)
     else
         rad_ambcache_visit(amb->cache, q, add_records, want_more, s);
     s->frozen = false;
-    frozen = s->nput_off;
     if (tile && rad_ambtile_has(tile, s->at->level) && !is_answered(s))
         rad_ambcache_visit(tile->own, q, add_records, want_more, s);
-    look_at_put_off(s, frozen);
+    look_at_put_off(s);
 }
 
 /* Find the records that serve at s->at.  Pixels see the mean of records within
@@ -357,7 +376,7 @@ void
 rad_ambient_ask(const struct rad_ambient *amb, const struct rad_ambplace *at,
                 const struct rad_ambasker *asker, struct rad_ambsaid *said)
 {
-    const struct rad_ambitem *put_off[MOST_PUT_OFF]; /* not initialized */
+    struct put_off put_off[MOST_PUT_OFF]; /* not initialized */
     struct search s = { .amb = amb,
                         .at = at,
                         .asker = asker,

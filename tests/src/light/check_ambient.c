@@ -348,6 +348,30 @@ TEST(frozen_records_that_do_not_quite_reach_fill_gaps)
     }
 }
 
+/* In whatever order tiles made them: deep records of one size all serve, and of
+ * those that a wall may part from the place the nearest. */
+LOOP_TEST(the_order_of_deep_records_does_not_matter, 4)
+{
+    bool last = _i & 1, doubtful = _i & 2;
+    struct rad_ambrec rec[2] = { record(.1, .2, -.5, 2, 1),
+                                 record(.126, .2, -.5, 4, 1) };
+    struct rad_rgb E = { 0, 0, 0 };
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    rad_ambient_freeze(w.job->ambient);
+    for (int i = 0; i < 2; i++) {
+        rec[i].corral = doubtful ? UINT32_MAX : 0;
+        rec[i].radius[1] = rec[i].radius[0];
+    }
+    for (int i = 0; i < 2; i++)
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec[last ? 1 - i : i]));
+    ck_assert(rad_ambient_settle(w.job->ambient));
+    ck_assert(find(.112, .2, -.5, 1, 1, &E) > .1);
+    /* distances .12 and .14 of a reach of .25 */
+    ck_assert_double_eq_tol(E.r, doubtful ? 2 : (2 * .13 + 4 * .11) / .24,
+                            1e-4);
+}
+
 TEST(other_side_is_not_served)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
