@@ -206,7 +206,7 @@ settle(struct bench *b, struct records *r)
     size_t n;
 
     rad_ambient_insert_all(amb, r->v, r->n);
-    n = rad_ambient_settle_begin(amb);
+    n = rad_ambient_settle_begin(amb, true);
     took = calloc(n + 1, sizeof *took);
     if (!took)
         die_of("out of memory");
@@ -255,15 +255,16 @@ walk_records(const struct rad_pass *pass, uint32_t tile)
 
 static void
 do_tile(struct bench *b, struct rad_passes *p, const struct rad_pass *pass,
-        uint32_t number, uint32_t tile, struct records *r)
+        uint32_t tile, struct records *r)
 {
+    const struct rad_ambview *seen =
+        rad_ambient_view(b->job->ambient, pass->reads);
     static const _Atomic bool never;
     uint64_t rays = b->ctx.counts.rays;
     double start = now();
     size_t made = r->n;
 
-    if (!rad_passes_make(p, &b->ctx, pass, number - pass->reads, tile, &never,
-                         keep, r, NULL))
+    if (!rad_passes_make(p, &b->ctx, pass, seen, tile, &never, keep, r, NULL))
         die_of("out of memory");
     if (b->tiles)
         fprintf(b->tiles, "tile %.6f %" PRIu64 " %zu\n", now() - start,
@@ -272,8 +273,7 @@ do_tile(struct bench *b, struct rad_passes *p, const struct rad_pass *pass,
 }
 
 static void
-do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass,
-        uint32_t number)
+do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
 {
     struct records r = { .level = pass->level };
     struct rad_counts before = b->ctx.counts;
@@ -287,7 +287,7 @@ do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass,
         fprintf(b->tiles, "pass %d %d %" PRIu32 " %.6f\n", pass->level,
                 pass->step, pass->tiles, now() - start);
     for (uint32_t i = 0; i < pass->tiles; i++)
-        do_tile(b, p, pass, number, i, &r);
+        do_tile(b, p, pass, i, &r);
     took = now() - start;
     made = r.n;
     printf("level %d, ", pass->level);
@@ -333,7 +333,7 @@ fill_and_render(struct bench *b, double *filled, double *rendered)
     n = rad_passes_plan(&b->params, size, b->n, pass);
     for (uint32_t i = 0; i < n; i++) {
         start = now();
-        do_pass(b, p, &pass[i], i);
+        do_pass(b, p, &pass[i]);
         b->alone -= now();
         if (rad_pass_is_last(pass, n, i) &&
             !rad_ambient_smooth(b->job->ambient))

@@ -83,7 +83,7 @@ static void
 make_records(struct stand *s)
 {
     if (is_frozen(s))
-        rad_ambtile_begin(&s->tile, &s->ctx, 0, 0);
+        rad_ambtile_begin(&s->tile, &s->ctx, 0, NULL);
 }
 
 static int

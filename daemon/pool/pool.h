@@ -99,8 +99,6 @@ struct pool_tile {
     struct pool_tile *next;
     uint32_t pass, tile;
     bool tells_colours; /* its colours are wanted */
-    uint32_t behind; /* so many of the last passes in the cache must not be seen
-                      * by the tile */
     struct msg_counts counts;
     uint32_t count;          /* number of records */
     struct wire_out records; /* as on the wire (proto/ambshare.h) */

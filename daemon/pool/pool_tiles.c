@@ -76,9 +76,10 @@ fill_tile(struct renderer *by, struct pool_tile *t)
     if (pass->walks)
         return keep_walk(by, pass, stop, t);
     if (!pass->check)
-        return rad_passes_make(k->passes, &by->ctx, pass, t->behind, t->tile,
-                               stop, keep_records, t,
-                               t->tells_colours ? &t->colours : NULL);
+        return rad_passes_make(
+            k->passes, &by->ctx, pass,
+            rad_ambient_view(by->pool->job->ambient, pass->reads), t->tile,
+            stop, keep_records, t, t->tells_colours ? &t->colours : NULL);
     if (!rad_refine_make(k->passes, &by->ctx, t->tile, stop, &sums))
         return false;
     sums_pack(&t->records, &sums);
@@ -242,7 +243,7 @@ close_pass(struct pool *p, struct pool_frozen *f)
     if (added) {
         rad_ambient_insert_all(amb, f->rec, f->n);
         added = rad_ambient_count(amb) == all;
-        pieces = added ? rad_ambient_settle_begin(amb) : 0;
+        pieces = added ? rad_ambient_settle_begin(amb, true) : 0;
     }
     if (pieces == 0) {
         end_pass(p, f, added);
@@ -287,7 +288,6 @@ find_todo_locked(struct pool_tiling *k, struct pool_tile_work *w)
         k->state = POOL_CACHE_CHANGED;
         return true;
     }
-    t->behind = k->open - k->plan[t->pass].reads;
     w->tile = t;
     unlink_locked(k, at);
     k->members++;

@@ -747,9 +747,9 @@ hand_on(const struct rad_ambtile *tile, int levels, rad_passes_fn *fn,
 
 bool
 rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
-                const struct rad_pass *pass, uint32_t behind, uint32_t tile,
-                const _Atomic bool *stop, rad_passes_fn *fn, void *arg,
-                struct rad_pass_colours *colours)
+                const struct rad_pass *pass, const struct rad_ambview *seen,
+                uint32_t tile, const _Atomic bool *stop, rad_passes_fn *fn,
+                void *arg, struct rad_pass_colours *colours)
 {
     struct limit until = limit_of(pass, ctx, stop);
     struct rad_ambtile own;
@@ -760,7 +760,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
         colours->n = 0;
     if (pass->walks)
         return rad_passes_walk(p, ctx, pass, tile, stop, NULL);
-    rad_ambtile_begin(&own, ctx, pass->level, behind);
+    rad_ambtile_begin(&own, ctx, pass->level, seen);
     own.most = until.rays;
     own.end = pass->rays ? until.rays + pass->rays : UINT64_MAX;
     ctx->no_direct = true; /* only hits of hemispheres need direct light */

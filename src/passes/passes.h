@@ -68,8 +68,8 @@ struct rad_pass_colours {
 #define RAD_PASS_MOST_RECORDS 9000
 
 /* Make a tile of a pass that was begun.
- *   behind   the cache has the records of pass->reads passes, which the tile
- *            sees, and of so many more; it must not be settled meanwhile
+ *   seen     the view of the cache (rad_ambient_view()) that the tile sees:
+ *            with the records of pass->reads passes; NULL: the newest
  *   stop     if another thread sets it, the tile ends within a pixel
  *   fn       is called with the tile's records in their order, some at a time;
  *            if there are more than RAD_PASS_MOST_RECORDS, with that many: all
@@ -81,8 +81,9 @@ struct rad_pass_colours {
  * Thread: any, for any number of tiles at once. */
 typedef void rad_passes_fn(void *arg, const struct rad_ambrec *rec, size_t n);
 bool rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
-                     const struct rad_pass *pass, uint32_t behind,
-                     uint32_t tile, const _Atomic bool *stop, rad_passes_fn *fn,
-                     void *arg, struct rad_pass_colours *colours);
+                     const struct rad_pass *pass,
+                     const struct rad_ambview *seen, uint32_t tile,
+                     const _Atomic bool *stop, rad_passes_fn *fn, void *arg,
+                     struct rad_pass_colours *colours);
 
 #endif

@@ -368,8 +368,8 @@ keep_records(void *arg, const struct rad_ambrec *rec, size_t n)
 
 static int
 make_pass(struct rad_passes *p, struct rad_ctx *ctx,
-          const struct rad_pass *pass, uint32_t behind, bool last,
-          struct records *k, struct rad_error *err)
+          const struct rad_pass *pass, bool last, struct records *k,
+          struct rad_error *err)
 {
     static const _Atomic bool never;
     size_t before = rad_ambient_count(ctx->job->ambient);
@@ -377,8 +377,9 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
 
     k->n = 0;
     for (uint32_t i = 0; rc == 0 && i < pass->tiles; i++)
-        if (!rad_passes_make(p, ctx, pass, behind, i, &never, keep_records, k,
-                             NULL) ||
+        if (!rad_passes_make(p, ctx, pass,
+                             rad_ambient_view(ctx->job->ambient, pass->reads),
+                             i, &never, keep_records, k, NULL) ||
             k->failed)
             rc = rad_fail_memory(err);
     if (rc == 0)
@@ -423,8 +424,8 @@ fill_cache(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
 
     for (uint32_t i = 0; rc == 0 && i < n; i++) {
         if (!plan[i].check) {
-            rc = make_pass(p, ctx, &plan[i], i - plan[i].reads,
-                           rad_pass_is_last(plan, n, i), &k, err);
+            rc = make_pass(p, ctx, &plan[i], rad_pass_is_last(plan, n, i), &k,
+                           err);
             continue;
         }
         ask->rays = ctx->counts.rays;

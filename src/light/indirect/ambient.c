@@ -13,7 +13,6 @@
 #include "base/number.h"
 #include "base/vec.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,6 +41,7 @@ rad_ambient_new(const struct rad_job *job, struct rad_error *err)
                               (float)rad_pow(RAD_AMBIENT_MEAN_REFLECTANCE, i),
                               &amb->usual[i]);
     rad_ambread_init(&amb->read, amb->org, amb->scale.side);
+    amb->newest = amb->view;
     amb->cache = rad_ambcache_new(amb->org, amb->scale.side, false);
     if (amb->cache)
         return amb;
@@ -174,7 +174,7 @@ insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
 
     if (!rad_ambient_fits(amb, rec))
         return false;
-    if (amb->frozen)
+    if (amb->smooth.smooth)
         rad_ambsmooth_release(&amb->smooth); /* has pointers to the records */
     if (!(amb->frozen ? rad_ambread_add(&amb->read, rec)
                       : rad_ambcache_insert(amb->cache, rec, &zone, local)))
@@ -261,21 +261,37 @@ gather_bright(struct rad_ambient *amb, struct rad_bright *bright)
     return ok;
 }
 
-size_t
-rad_ambient_settle_begin(struct rad_ambient *amb)
+/* The view that a settling makes. */
+static struct rad_ambview *
+view_to_be(struct rad_ambient *amb)
 {
-    struct rad_ambview *now = amb->view;
+    return &amb->view[amb->settlings % RAD_AMBIENT_VIEWS];
+}
+
+_Static_assert(RAD_AMBIENT_VIEWS == RAD_AMBREAD_LATE + 1,
+               "trees are kept as long as views");
+
+size_t
+rad_ambient_settle_begin(struct rad_ambient *amb, bool alone)
+{
+    const struct rad_ambview *last = amb->newest;
+    struct rad_ambview *now;
+    size_t pieces;
 
     if (!amb->frozen)
         return 0;
-    memmove(now + 1, now, (RAD_AMBIENT_VIEWS - 1) * sizeof *now);
-    if (now->n == amb->read.n)
+    amb->settlings++;
+    now = view_to_be(amb);
+    pieces = rad_ambread_settle_begin(&amb->read, alone, zone_in, amb);
+    if (last->n == amb->read.n) {
+        *now = *last;
         return 0;
+    }
     now->n = amb->read.n;
     now->log_sum = atomic_load_explicit(&amb->log_sum, memory_order_relaxed);
     now->log_count =
         atomic_load_explicit(&amb->log_count, memory_order_relaxed);
-    return 1 + rad_ambread_settle_begin(&amb->read, zone_in, amb);
+    return 1 + pieces;
 }
 
 void
@@ -284,19 +300,20 @@ rad_ambient_settle_piece(struct rad_ambient *amb, size_t piece)
     if (piece > 0)
         rad_ambread_settle_piece(&amb->read, piece - 1);
     else
-        amb->blind = !gather_bright(amb, &amb->view[0].bright);
+        amb->blind = !gather_bright(amb, &view_to_be(amb)->bright);
 }
 
 bool
 rad_ambient_settle_end(struct rad_ambient *amb)
 {
+    amb->newest = view_to_be(amb);
     return rad_ambread_settle_end(&amb->read) && !amb->blind;
 }
 
 bool
 rad_ambient_settle(struct rad_ambient *amb)
 {
-    size_t n = rad_ambient_settle_begin(amb);
+    size_t n = rad_ambient_settle_begin(amb, true);
 
     for (size_t i = 0; i < n; i++)
         rad_ambient_settle_piece(amb, i);
@@ -304,15 +321,16 @@ rad_ambient_settle(struct rad_ambient *amb)
 }
 
 const struct rad_ambview *
-rad_ambient_view(const struct rad_ambient *amb, uint32_t behind)
+rad_ambient_view(const struct rad_ambient *amb, uint32_t settlings)
 {
-    assert(behind < RAD_AMBIENT_VIEWS);
-    return &amb->view[behind];
+    return &amb->view[settlings % RAD_AMBIENT_VIEWS];
 }
 
 bool
 rad_ambient_smooth(struct rad_ambient *amb)
 {
+    if (amb->frozen)
+        rad_ambread_tighten(&amb->read);
     return !amb->frozen ||
            rad_ambsmooth_make(&amb->smooth, amb->job->geom, &amb->scale,
                               amb->read.item, amb->read.n);

@@ -7,7 +7,7 @@
  * Growth: a live cache has append-only octrees (ambcache.c): readers never
  * wait, an insertion is a compare-and-swap on a list head, and records are
  * never moved or changed.  A frozen cache has an array of records, and trees
- * that grow between passes (ambread_settle.c).
+ * that are made anew where records come (ambread.h).
  * Sources: Ward, Rubinstein & Clear 1988 (record radius, error);
  *          Ward & Heckbert 1992 (gradients);
  *          Schwarzhaupt, Jensen & Jarosz 2012 (Hessian radii). */
@@ -28,36 +28,39 @@ void rad_ambient_free(struct rad_ambient *amb);
 
 /* Freeze the cache, before the first record.  A frozen cache changes by
  * rad_ambient_insert() and rad_ambient_insert_all() alone, while no thread
- * renders, and the new records serve after the next rad_ambient_settle().  A
- * record that a place lacks is made for the tile that asks (ambtile.h), or for
- * that place alone. */
+ * renders but tiles (ambtile.h), and the new records serve after the next
+ * rad_ambient_settle().  A record that a place lacks is made for the tile that
+ * asks (ambtile.h), or for that place alone. */
 void rad_ambient_freeze(struct rad_ambient *amb);
 
-/* Put the records of a frozen cache into the trees that look-ups read; to be
- * called after insertions and before the next look-up.  Does nothing for a live
- * cache.  False: out of memory; the cache must not be read then. */
+/* Put the records of a frozen cache into the trees that look-ups read, while no
+ * thread renders.  Does nothing for a live cache.  False: out of memory; then
+ * nothing may be inserted any more. */
 bool rad_ambient_settle(struct rad_ambient *amb);
 
-/* The same for several threads: begin, which returns a number of pieces; make
- * each of these once; end, with the result of rad_ambient_settle().  The trees
- * are the same, whoever makes which piece and when.
+/* The same for several threads, and beside tiles: begin, which returns a number
+ * of pieces; make each of these once; end, with the result of
+ * rad_ambient_settle().  The trees are the same, whoever makes which piece and
+ * when.  When a settling begins the tiles are over that see a view older than
+ * the last three; or, if `alone`, all that began before.
  * Thread: one begins, and one ends; any number make pieces. */
-size_t rad_ambient_settle_begin(struct rad_ambient *amb);
+size_t rad_ambient_settle_begin(struct rad_ambient *amb, bool alone);
 void rad_ambient_settle_piece(struct rad_ambient *amb, size_t piece);
 bool rad_ambient_settle_end(struct rad_ambient *amb);
 
-/* The state of a frozen cache before the last `behind` calls of
- * rad_ambient_settle(), with behind < RAD_AMBIENT_VIEWS: a tile (ambtile.h)
- * sees the records of one such state alone. */
+/* The state of a frozen cache after so many settlings, one of the last
+ * RAD_AMBIENT_VIEWS: a tile (ambtile.h) sees the records of one such state
+ * alone. */
 #define RAD_AMBIENT_VIEWS 4
 struct rad_ambview;
 const struct rad_ambview *rad_ambient_view(const struct rad_ambient *amb,
-                                           uint32_t behind);
+                                           uint32_t settlings);
 
-/* Smooth the records of a settled cache: pixels see smoothed values from now on
- * (light/smooth/smooth.h); rad_ambient_list() gives records as they were made.
- * To be called when all records are there, and again after insertions.  Does
- * nothing for a live cache.  False: out of memory. */
+/* Smooth the records of a settled cache, while no thread renders: pixels see
+ * smoothed values from now on (light/smooth/smooth.h), until records are
+ * inserted, which no tile may be beside; rad_ambient_list() gives records as
+ * they were made.  To be called when all records are there, and again after
+ * insertions.  Does nothing for a live cache.  False: out of memory. */
 bool rad_ambient_smooth(struct rad_ambient *amb);
 
 bool rad_ambient_is_frozen(const struct rad_ambient *amb);

@@ -165,8 +165,7 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     k->gpos[0] = it->gpos[0];
     k->gpos[1] = it->gpos[1];
     k->var = 0;
-    if (!s->frozen ||
-        !rad_ambsmooth_at(&amb->smooth, (size_t)(it - amb->read.item), &v))
+    if (!s->frozen || !rad_ambsmooth_at(&amb->smooth, it, &v))
         return;
     k->E = rad_rgb(v.E[0], v.E[1], v.E[2]);
     k->gpos[0] = v.gpos[0];

@@ -49,9 +49,12 @@ struct rad_ambient {
     struct rad_ambsmooth smooth; /* smoothed values of a frozen cache */
     double org[3];               /* [fixed] the cube's corner */
     struct rad_ambscale scale;   /* [fixed] */
-    struct rad_ambview view[RAD_AMBIENT_VIEWS]; /* of `read`, newest first */
+    /* of `read`, by number of settlings modulo */
+    struct rad_ambview view[RAD_AMBIENT_VIEWS];
+    const struct rad_ambview *newest; /* of these that is whole */
+    uint32_t settlings;               /* so many were begun */
     bool frozen; /* [fixed] once there are records */
-    bool blind;  /* memory was out for the bright places of the newest view */
+    bool blind;  /* memory was out for a view's bright places */
     /* [fixed] by level, for rays of the weight that is usual there */
     struct rad_ambterms usual[RAD_AMBIENT_USUAL];
     _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */
@@ -76,7 +79,7 @@ rad_ambient_gave_up(const struct rad_ctx *ctx)
 static inline const struct rad_ambview *
 rad_ambient_seen(const struct rad_ambient *amb, const struct rad_ambtile *tile)
 {
-    return tile ? tile->view : amb->view;
+    return tile ? tile->view : amb->newest;
 }
 
 /* ambient_find.c: set *t for rays of that weight. */

@@ -40,11 +40,13 @@ void rad_ambsmooth_release(struct rad_ambsmooth *s);
 /* The memory that s takes [bytes]. */
 size_t rad_ambsmooth_bytes(const struct rad_ambsmooth *s);
 
-/* Set *v to the smoothed value of record i; false: record i has none. */
+/* Set *v to the smoothed value of one of the records; false: it has none. */
 static inline bool
-rad_ambsmooth_at(const struct rad_ambsmooth *s, size_t i,
+rad_ambsmooth_at(const struct rad_ambsmooth *s, const struct rad_ambitem *item,
                  struct rad_smooth_value *v)
 {
+    size_t i = (size_t)(item - s->item);
+
     if (i >= s->n || s->place[i] == UINT32_MAX)
         return false;
     rad_smooth_at(s->smooth, s->place[i], v);

@@ -1,17 +1,17 @@
 /* ambtile.c - see ambtile.h */
 #include "config.h"
 
-#include "light/indirect/ambtile.h"
+#include "light/indirect/ambient_impl.h"
 
 void
 rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level,
-                  uint32_t behind)
+                  const struct rad_ambview *seen)
 {
-    *tile = (struct rad_ambtile){ .view = rad_ambient_view(ctx->job->ambient,
-                                                           behind),
-                                  .level = level,
-                                  .most = UINT64_MAX,
-                                  .end = UINT64_MAX };
+    *tile =
+        (struct rad_ambtile){ .view = seen ? seen : ctx->job->ambient->newest,
+                              .level = level,
+                              .most = UINT64_MAX,
+                              .end = UINT64_MAX };
     ctx->tile = tile;
 }
 

@@ -27,12 +27,12 @@ struct rad_ambtile {
                     * hemisphere under way is given up */
 };
 
-/* Begin a tile whose records ctx makes.  The tile sees the frozen cache as it
- * was before the last `behind` calls of rad_ambient_settle().  most and end are
+/* Begin a tile whose records ctx makes.  seen: the view of the frozen cache
+ * that it sees (rad_ambient_view()); NULL: the newest.  most and end are
  * unlimited; the caller may set them.  *tile must live until rad_ambtile_end().
  */
 void rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level,
-                       uint32_t behind);
+                       const struct rad_ambview *seen);
 
 /* Add a record.  False: memory is out. */
 bool rad_ambtile_add(struct rad_ambtile *tile, const struct rad_ambient *amb,

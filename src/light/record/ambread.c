@@ -4,7 +4,6 @@
 #include "light/record/ambread_impl.h"
 #include "base/vec.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 #if defined(__x86_64__)
@@ -22,38 +21,73 @@ rad_ambread_init(struct rad_ambread *r, const double org[3], double side)
     r->side = side;
 }
 
-void
-rad_ambread_empty(struct rad_ambread_cell *c)
+/* Free what a cell has on the heap, but for what it shares with `next`, the
+ * same cell of the trees that were made next; NULL: there is none. */
+static void
+free_cell(const struct rad_ambread_cell *c, const struct rad_ambread_cell *next)
 {
-    for (int k = 0; c->divided && k < 8; k++)
-        rad_ambread_empty(&c->part[k]);
-    free(c->divided ? (void *)c->part : c->list);
-    *c = (struct rad_ambread_cell){ .n = 0 };
+    const struct rad_ambread_cell *like =
+        next && next->divided == c->divided ? next : NULL;
+
+    if (!c->divided) {
+        free(like && like->list == c->list ? NULL : c->list);
+        return;
+    }
+    if (like && like->part == c->part)
+        return;
+    for (int k = 0; k < 8; k++)
+        free_cell(&c->part[k], like ? &like->part[k] : NULL);
+    free(c->part);
+}
+
+struct rad_ambread_trees *
+rad_ambread_free_trees(struct rad_ambread_trees *t)
+{
+    struct rad_ambread_trees *next = t->next;
+
+    for (int i = 0; i < TREES; i++)
+        free_cell(&t->tree[i], next ? &next->tree[i] : NULL);
+    free(next && next->item == t->item ? NULL : t->item);
+    free(t);
+    return next;
+}
+
+/* The trees that visits read, for the thread that changes them. */
+static struct rad_ambread_trees *
+trees_of(const struct rad_ambread *r)
+{
+    return atomic_load_explicit(&r->trees, memory_order_relaxed);
 }
 
 void
 rad_ambread_release(struct rad_ambread *r)
 {
-    for (int i = 0; r->tree && i < ROOTS * FACES; i++)
-        rad_ambread_empty(&r->tree[i]);
+    bool owned = false; /* r->item, by trees */
+
     rad_ambread_drop_settling(r);
-    free(r->tree);
-    free(r->item);
+    while (r->oldest) {
+        owned |= r->oldest->item == r->item;
+        r->oldest = rad_ambread_free_trees(r->oldest);
+    }
+    free(owned ? NULL : r->item);
     free(r->glint);
 }
 
-/* Make room in *array for one more element after n; false: out of memory. */
+/* Make room in *array for one more element after n; if it is read it stays, and
+ * a copy replaces it.  False: out of memory. */
 static bool
-make_room(void **array, size_t n, size_t *cap, size_t size)
+make_room(void **array, bool is_read, size_t n, size_t *cap, size_t size)
 {
     size_t more = n + n / 4 + 64;
     void *larger;
 
     if (n < *cap)
         return true;
-    larger = realloc(*array, more * size);
+    larger = realloc(is_read ? NULL : *array, more * size);
     if (!larger)
         return false;
+    if (is_read)
+        memcpy(larger, *array, n * size);
     *array = larger;
     *cap = more;
     return true;
@@ -63,7 +97,8 @@ static bool
 add_glint(struct rad_ambread *r, const struct rad_glint *glint)
 {
     void *array = r->glint;
-    bool ok = make_room(&array, r->nglints, &r->glint_cap, sizeof *r->glint);
+    bool ok =
+        make_room(&array, false, r->nglints, &r->glint_cap, sizeof *r->glint);
 
     r->glint = array;
     if (ok)
@@ -75,9 +110,11 @@ add_glint(struct rad_ambread *r, const struct rad_glint *glint)
 bool
 rad_ambread_add(struct rad_ambread *r, const struct rad_ambrec *rec)
 {
+    const struct rad_ambread_trees *trees = trees_of(r);
+    bool is_read = trees && trees->item == r->item;
     void *array = r->item;
-    bool ok =
-        r->n < UINT32_MAX && make_room(&array, r->n, &r->cap, sizeof *r->item);
+    bool ok = r->n < UINT32_MAX &&
+              make_room(&array, is_read, r->n, &r->cap, sizeof *r->item);
 
     r->item = array;
     if (!ok || (rec->glint.lum > 0 && !add_glint(r, &rec->glint)))
@@ -137,11 +174,30 @@ size_t
 rad_ambread_bytes(const struct rad_ambread *r)
 {
     size_t bytes = r->cap * sizeof *r->item + r->glint_cap * sizeof *r->glint;
-    struct rad_ambread_size trees = { 0, 0 };
+    const struct rad_ambread_trees *trees = trees_of(r);
+    struct rad_ambread_size size = { 0, 0 };
 
-    for (int i = 0; r->tree && i < ROOTS * FACES; i++)
-        rad_ambread_measure(&r->tree[i], &trees);
-    return bytes + trees.bytes;
+    for (int i = 0; trees && i < TREES; i++)
+        rad_ambread_measure(&trees->tree[i], &size);
+    return bytes + size.bytes;
+}
+
+void
+rad_ambread_tighten(struct rad_ambread *r)
+{
+    struct rad_ambread_trees *trees = trees_of(r);
+    void *less;
+
+    if (!trees)
+        return;
+    while (r->oldest != trees)
+        r->oldest = rad_ambread_free_trees(r->oldest);
+    less = realloc(r->item, r->n * sizeof *r->item);
+    r->item = trees->item = less ? less : r->item;
+    r->cap = less ? r->n : r->cap;
+    less = realloc(r->glint, (r->nglints + 1) * sizeof *r->glint);
+    r->glint = less ? less : r->glint;
+    r->glint_cap = less ? r->nglints + 1 : r->glint_cap;
 }
 
 /* --- look-up --- */
@@ -272,7 +328,8 @@ begin_list(struct reading *k, const struct rad_ambread_cell *cell,
 
 /* Records that were found and are not handed on yet. */
 struct finds {
-    const struct rad_ambread *r;
+    const struct rad_ambitem *all; /* the records */
+    double side;                   /* of the cube */
     size_t before; /* only records with a smaller index are handed on */
     rad_ambcache_fn *fn;
     void *arg;
@@ -299,7 +356,7 @@ read_size(struct reading *k, uint8_t size, struct finds *f)
 
         for (; found; found &= found - 1) {
             uint32_t i = k->block->item[__builtin_ctz(found)];
-            const struct rad_ambitem *item = &f->r->item[i];
+            const struct rad_ambitem *item = &f->all[i];
 
             if (i >= f->before)
                 continue;
@@ -335,8 +392,8 @@ read_all(struct reading *list, int n, struct finds *f,
             size = list[i].size < size ? list[i].size : size;
         if (size == NO_SIZE || f->enough)
             return;
-        if (any && !more(f->arg, f->r->side / (SPAN * cells_across(MAX_DEPTH -
-                                                                   size + 1))))
+        if (any && !more(f->arg,
+                         f->side / (SPAN * cells_across(MAX_DEPTH - size + 1))))
             return;
         any = true;
         for (int i = 0; i < n; i++)
@@ -352,15 +409,18 @@ rad_ambread_visit(const struct rad_ambread *r, size_t before,
 {
     struct finds finds; /* set by members: its array need not be */
     unsigned faces = rad_ambfit_faces(q->fit, q->n);
+    const struct rad_ambread_trees *trees = /* pairs with the release in
+                                             * rad_ambread_settle_end() */
+        atomic_load_explicit(&r->trees, memory_order_acquire);
     struct reading list[FACES];
     uint32_t number[3];
     uint8_t lean[3];
     int n = 0;
 
-    assert(r->settled == r->n);
-    if (!r->tree)
+    if (!trees)
         return;
-    finds.r = r;
+    finds.all = trees->item;
+    finds.side = r->side;
     finds.before = before;
     finds.fn = fn;
     finds.arg = arg;
@@ -376,7 +436,7 @@ rad_ambread_visit(const struct rad_ambread *r, size_t before,
         list[n].probe.turn = q->fit->turn;
         for (int k = 0; k < 2; k++)
             list[n].probe.lean[k] = lean[(face / 2 + 1 + k) % 3];
-        begin_list(&list[n++], &r->tree[root_of(q->level) * FACES + face],
+        begin_list(&list[n++], &trees->tree[root_of(q->level) * FACES + face],
                    number);
     }
     read_all(list, n, &finds, more);

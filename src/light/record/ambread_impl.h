@@ -22,6 +22,7 @@
 #define PLACES  16 /* of a block: a vector of bytes */
 #define GRID    32 /* bits of a coordinate in the cube */
 #define NO_SIZE 255
+#define TREES   (ROOTS * FACES)
 
 /* A block of a list. */
 struct places {
@@ -41,6 +42,15 @@ struct rad_ambread_cell {
     };
     uint32_t n; /* records whose zones touch the cell */
     bool divided;
+};
+
+/* The trees that a settling made, and which no other changes. */
+struct rad_ambread_trees {
+    struct rad_ambread_trees *next; /* made by the next settling, or being made;
+                                     * NULL: none */
+    uint32_t number;                /* of the settling */
+    struct rad_ambitem *item;
+    struct rad_ambread_cell tree[TREES]; /* by bounces and face */
 };
 
 /* The blocks of a list of n places. */
@@ -72,8 +82,8 @@ struct rad_ambread_size {
 };
 void rad_ambread_measure(const struct rad_ambread_cell *c,
                          struct rad_ambread_size *sum);
-/* Free it; the cell is empty then. */
-void rad_ambread_empty(struct rad_ambread_cell *c);
+/* Free the trees, but for what those behind them share; returns these. */
+struct rad_ambread_trees *rad_ambread_free_trees(struct rad_ambread_trees *t);
 
 /* ambread_settle.c: free what is left of a settling that is under way. */
 void rad_ambread_drop_settling(struct rad_ambread *r);

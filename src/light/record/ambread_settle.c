@@ -1,20 +1,21 @@
 /* ambread_settle.c - new records are put into a frozen cache's trees
  *
  * A new record is added to the lists of the leaves that its zone touches; all
- * else stays.  A leaf whose list gets longer by a block is divided if its
- * parts' lists take less to read, by the half of a block that a step down
- * costs.  A part is taken to be looked up in proportion to its number of
- * records, for records are made where look-ups miss.  A leaf whose records are
- * all in a single part, as those of a room that is small in its scene, is
- * divided, too: the part's list is no longer, and tells boxes apart more
- * finely.
- * Copies are bounded: a tree has at most COPIES places for a record, or one
- * block.  This is shared out among the parts of a cell, in proportion to their
- * blocks.  Since that proportion changes as records come, a tree may come to
- * have more places; it is made anew when it gets records next.
- * Pieces are cells that few of the new records touch; the thread that begins
- * goes down to them.  The shape of the trees does not depend on who makes which
- * piece, and what look-ups find does not depend on the shape (ambread.h).  */
+ * else stays, and is shared with the trees that visits read meanwhile.  The
+ * lists, and the parts of cells on the way down to them, are new.  A leaf whose
+ * list gets longer by a block is divided if its parts' lists take less to read,
+ * by the half of a block that a step down costs.  A part is taken to be looked
+ * up in proportion to its number of records, for records are made where
+ * look-ups miss.  A leaf whose records are all in a single part, as those of a
+ * room that is small in its scene, is divided, too: the part's list is no
+ * longer, and tells boxes apart more finely. Copies are bounded: a tree has at
+ * most COPIES places for a record, or one block.  This is shared out among the
+ * parts of a cell, in proportion to their blocks.  Since that proportion
+ * changes as records come, a tree may come to have more places; it is made anew
+ * when it gets records next. Pieces are cells that few of the new records
+ * touch; the thread that begins goes down to them.  The shape of the trees does
+ * not depend on who makes which piece, and what look-ups find does not depend
+ * on the shape (ambread.h).  */
 #include "config.h"
 
 #include "light/record/ambread_impl.h"
@@ -26,7 +27,6 @@
 
 #define COPIES  6  /* places for a record, in the mean, at most */
 #define DEEPEST 24 /* depth of the smallest leaves */
-#define TREES   (ROOTS * FACES)
 
 /* A piece has at most one of so many parts of the new records, or LEAST. */
 #define PARTS 256
@@ -62,6 +62,7 @@ struct piece {
 struct rad_ambread_settling {
     rad_ambread_zone_fn *zone;
     const void *arg;
+    struct rad_ambread_trees *trees; /* being made */
     struct piece *piece;
     size_t n, at_most; /* pieces; records of one at most */
     bool failed;       /* memory was out */
@@ -253,18 +254,17 @@ size_at(const struct places *list, size_t i)
     return list[i / PLACES].size[i % PLACES];
 }
 
-/* Make room for n more places in a leaf's list.  False: out of memory. */
+/* Copy a leaf's list, with room for n more places.  False: out of memory. */
 static bool
 lengthen(struct rad_ambread_cell *c, size_t n)
 {
     size_t had = blocks_for(c->n), blocks = blocks_for(c->n + n);
-    struct places *list = c->list;
+    struct places *list = malloc(blocks * sizeof *list);
 
-    if (blocks == had)
-        return true;
-    list = realloc(list, blocks * sizeof *list);
     if (!list)
         return false;
+    if (had > 0)
+        memcpy(list, c->list, had * sizeof *list);
     memset(list + had, 0, (blocks - had) * sizeof *list);
     for (size_t i = had; i < blocks; i++)
         memset(list[i].size, NO_SIZE, PLACES);
@@ -388,7 +388,6 @@ split(struct growth *g, struct rad_ambread_cell *c, size_t from, size_t n,
     g->failed |= !part;
     if (!part)
         return false;
-    free(c->list);
     *c = (struct rad_ambread_cell){ { .part = part }, (uint32_t)all, true };
     grow_parts(g, part, &p, most, s);
     return true;
@@ -413,6 +412,18 @@ cut(struct growth *g, const struct piece *as, size_t from)
         memcpy(p->list, &g->list[from], p->n * sizeof *p->list);
 }
 
+/* Copy the parts of a divided cell.  False: out of memory. */
+static bool
+copy_parts(struct growth *g, struct rad_ambread_cell *c)
+{
+    struct rad_ambread_cell *part = malloc(8 * sizeof *part);
+
+    g->failed |= !part;
+    if (part)
+        c->part = memcpy(part, c->part, 8 * sizeof *part);
+    return part != NULL;
+}
+
 /* Add the n new extents from list[from] on, at least one, to the cell *c, with
  * at most `most` blocks unless it is a leaf. */
 static void
@@ -426,7 +437,7 @@ grow(struct growth *g, struct rad_ambread_cell *c, size_t from, size_t n,
         return;
     if (g->cuts && n <= g->r->settling->at_most)
         cut(g, &(struct piece){ c, *s, most, NULL, n, false }, from);
-    else if (c->divided && divide(g, from, n, s, &p)) {
+    else if (c->divided && divide(g, from, n, s, &p) && copy_parts(g, c)) {
         c->n += (uint32_t)n;
         grow_parts(g, c->part, &p, most, s);
     } else if (!c->divided && !split(g, c, from, n, most, s) && !g->failed)
@@ -456,20 +467,21 @@ compare(const void *one, const void *other)
     return a->item < b->item ? -1 : a->item > b->item;
 }
 
-/* Empty the trees that have too many places: large zones came behind small ones
- * that their cells were divided for.  They are made of the records from the
- * returned index on, those in other trees left out. */
+/* Begin those trees anew that have too many places: large zones came behind
+ * small ones that their cells were divided for.  They are made of the records
+ * from the returned index on, those in other trees left out. */
 static size_t
 empty_wasteful(struct rad_ambread *r)
 {
     size_t from = r->settled;
 
     for (int i = 0; i < TREES; i++) {
+        struct rad_ambread_cell *root = &r->settling->trees->tree[i];
         struct rad_ambread_size has = { 0, 0 };
 
-        rad_ambread_measure(&r->tree[i], &has);
-        if (has.blocks > 1 && has.blocks * PLACES > r->tree[i].n * COPIES) {
-            rad_ambread_empty(&r->tree[i]);
+        rad_ambread_measure(root, &has);
+        if (has.blocks > 1 && has.blocks * PLACES > root->n * COPIES) {
+            *root = (struct rad_ambread_cell){ .n = 0 };
             from = 0;
         }
     }
@@ -489,7 +501,7 @@ list_new(struct growth *g)
     for (; i < r->n; i++) {
         int tree = tree_of(&r->item[i]);
 
-        if (i >= r->settled || r->tree[tree].n == 0) {
+        if (i >= r->settled || s->trees->tree[tree].n == 0) {
             struct rad_ambzone zone = s->zone(s->arg, &r->item[i]);
 
             set_extent(&g->list[g->top++], r, (uint32_t)i, (uint8_t)tree,
@@ -508,7 +520,8 @@ grow_trees(struct growth *g)
     size_t all = g->top;
 
     for (size_t i = 0, end; i < all; i = end) {
-        struct rad_ambread_cell *root = &r->tree[g->list[i].tree];
+        struct rad_ambread_cell *root =
+            &r->settling->trees->tree[g->list[i].tree];
 
         for (end = i; end < all && g->list[end].tree == g->list[i].tree;)
             end++;
@@ -517,19 +530,51 @@ grow_trees(struct growth *g)
     }
 }
 
+/* Free former trees that no visit can be at. */
+static void
+free_former(struct rad_ambread *r, const struct rad_ambread_trees *now,
+            bool alone)
+{
+    while (
+        r->oldest != now &&
+        (alone || r->settlings - r->oldest->next->number >= RAD_AMBREAD_LATE))
+        r->oldest = rad_ambread_free_trees(r->oldest);
+}
+
+/* A copy of the trees that visits read, behind these.  NULL: out of memory. */
+static struct rad_ambread_trees *
+copy_trees(struct rad_ambread *r, struct rad_ambread_trees *now)
+{
+    struct rad_ambread_trees *trees = calloc(1, sizeof *trees);
+
+    if (trees && now)
+        memcpy(trees->tree, now->tree, sizeof trees->tree);
+    if (!trees)
+        return NULL;
+    trees->number = r->settlings;
+    trees->item = r->item;
+    *(now ? &now->next : &r->oldest) = trees;
+    return trees;
+}
+
 size_t
-rad_ambread_settle_begin(struct rad_ambread *r, rad_ambread_zone_fn *zone,
-                         const void *arg)
+rad_ambread_settle_begin(struct rad_ambread *r, bool alone,
+                         rad_ambread_zone_fn *zone, const void *arg)
 {
     struct growth g = { .r = r, .cuts = true };
+    struct rad_ambread_trees *now =
+        atomic_load_explicit(&r->trees, memory_order_relaxed);
 
+    r->settlings++;
+    free_former(r, now, alone);
     if (r->settled == r->n)
         return 0;
-    if (!r->tree)
-        r->tree = calloc(TREES, sizeof *r->tree);
-    if (r->tree)
-        r->settling = calloc(1, sizeof *r->settling);
+    r->settling = calloc(1, sizeof *r->settling);
     if (!r->settling)
+        return 0;
+    r->settling->trees = copy_trees(r, now);
+    r->settling->failed = !r->settling->trees;
+    if (r->settling->failed)
         return 0;
     r->settling->zone = zone;
     r->settling->arg = arg;
@@ -571,8 +616,8 @@ bool
 rad_ambread_settle_end(struct rad_ambread *r)
 {
     struct rad_ambread_settling *s = r->settling;
+    struct rad_ambread_trees *trees = s ? s->trees : NULL;
     bool failed = !s || s->failed;
-    void *less;
 
     if (r->settled == r->n)
         return true;
@@ -581,13 +626,9 @@ rad_ambread_settle_end(struct rad_ambread *r)
     rad_ambread_drop_settling(r);
     if (failed)
         return false;
-    less = realloc(r->item, r->n * sizeof *r->item);
-    r->item = less ? less : r->item;
-    r->cap = less ? r->n : r->cap;
-    less = realloc(r->glint, (r->nglints + 1) * sizeof *r->glint);
-    r->glint = less ? less : r->glint;
-    r->glint_cap = less ? r->nglints + 1 : r->glint_cap;
     r->settled = r->n;
+    /* pairs with the acquire in rad_ambread_visit() */
+    atomic_store_explicit(&r->trees, trees, memory_order_release);
     return true;
 }
 
@@ -595,7 +636,7 @@ bool
 rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
                    const void *arg)
 {
-    size_t n = rad_ambread_settle_begin(r, zone, arg);
+    size_t n = rad_ambread_settle_begin(r, true, zone, arg);
 
     for (size_t i = 0; i < n; i++)
         rad_ambread_settle_piece(r, i);

@@ -688,7 +688,8 @@ work_off_tiles(struct pool *p)
             k->begun[pass % MSG_OPEN_PASSES] = pass + 1;
         } else {
             ck_assert_uint_ge(w.tile->pass, k->closed);
-            ck_assert_uint_lt(w.tile->behind, RAD_AMBIENT_VIEWS);
+            ck_assert_uint_lt(k->open - k->plan[w.tile->pass].reads,
+                              RAD_AMBIENT_VIEWS);
             k->members--;
             tiles++;
             pool_tile_free(w.tile);

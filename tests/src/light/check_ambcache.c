@@ -11,6 +11,7 @@
 #include "tests/world.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -233,7 +234,7 @@ zone_of(const void *arg, const struct rad_ambitem *rec)
 static bool
 settle_backwards(struct rad_ambread *r)
 {
-    size_t n = rad_ambread_settle_begin(r, zone_of, NULL);
+    size_t n = rad_ambread_settle_begin(r, false, zone_of, NULL);
 
     ck_assert(r->n < 100 || n > 1);
     while (n-- > 0)
@@ -812,4 +813,137 @@ TEST(threads_find_what_they_insert)
     ck_assert_uint_eq(logged, (size_t)crowd.each * THREADS);
     ck_assert_uint_eq(rad_ambcache_count(crowd.cache), logged);
     rad_ambcache_free(crowd.cache);
+}
+
+/* --- visits beside settling --- */
+
+enum { VISITORS = 3, SEEN = 300, STEP = 50, ASKED = 100 };
+
+/* Visitors look up the first SEEN records, ASKED times for a turn, as a tile
+ * does, while the others are added and settled. */
+struct visits {
+    struct rad_ambread r;
+    /* what is found before the others come: how many, and their numbers */
+    int n[ASKED];
+    uint32_t number[ASKED][SEEN];
+    _Atomic bool over;
+    _Atomic uint32_t turns[VISITORS];
+    _Atomic int wrong;
+};
+
+struct visitor {
+    pthread_t thread;
+    struct visits *all;
+    int number;
+};
+
+static void
+look_up_seen(const struct visits *v, int i, struct found *f)
+{
+    struct question ask = ask_near(&sample[i], rad_key_branch(9, (uint64_t)i));
+    struct rad_ambquery q = ask.q;
+    struct rad_ambfit fit;
+
+    rad_ambfit_set(&fit, ask.min_cos, ask.weight);
+    q.fit = &fit;
+    f->n = 0;
+    rad_ambread_visit(&v->r, SEEN, &q, keep, want_all, f);
+}
+
+static void
+take_turn(struct visits *v)
+{
+    for (int i = 0; i < ASKED; i++) {
+        struct found f;
+        bool same;
+
+        look_up_seen(v, i, &f);
+        same = f.n == v->n[i];
+        for (int k = 0; same && k < f.n; k++)
+            same = (uint32_t)f.rec[k]->E.g == v->number[i][k];
+        v->wrong += !same;
+    }
+}
+
+static void *
+visit(void *arg)
+{
+    struct visitor *me = arg;
+    struct visits *v = me->all;
+
+    while (!v->over) {
+        take_turn(v);
+        v->turns[me->number]++;
+    }
+    return NULL;
+}
+
+/* Wait until each visitor has ended the turn at which it was `then`. */
+static void
+wait_for_turns(const struct visits *v, const uint32_t then[VISITORS])
+{
+    for (int i = 0; i < VISITORS; i++)
+        while (v->turns[i] == then[i])
+            sched_yield();
+}
+
+/* Add and settle the other records; turns that were under way when a settling
+ * ended are over when the RAD_AMBREAD_LATE-th after it begins. */
+static bool
+settle_others(struct visits *v)
+{
+    uint32_t then[RAD_AMBREAD_LATE][VISITORS];
+    bool ok = true;
+    int n = 0;
+
+    for (int i = SEEN; i < RECORDS; n++) {
+        uint32_t *turns = then[n % RAD_AMBREAD_LATE];
+
+        if (n >= RAD_AMBREAD_LATE)
+            wait_for_turns(v, turns);
+        for (int end = i + STEP; i < end; i++)
+            ok &= rad_ambread_add(&v->r, &sample[i].rec);
+        ok &= settle_backwards(&v->r);
+        for (int k = 0; k < VISITORS; k++)
+            turns[k] = v->turns[k];
+    }
+    return ok;
+}
+
+TEST(visits_go_on_beside_settling)
+{
+    static struct visits v;
+    struct visitor visitor[VISITORS];
+    int found = 0;
+    bool ok = true;
+
+    rad_ambread_init(&v.r, org, SIDE);
+    for (int i = 0; i < RECORDS; i++) {
+        sample[i] = invent(rad_key_branch(1, (uint64_t)i));
+        sample[i].rec.E.g = (float)i;
+        ok &= i >= SEEN || rad_ambread_add(&v.r, &sample[i].rec);
+    }
+    ok &= settle_backwards(&v.r);
+    for (int i = 0; i < ASKED; i++) {
+        struct found f;
+
+        look_up_seen(&v, i, &f);
+        v.n[i] = f.n;
+        for (int k = 0; k < f.n; k++)
+            v.number[i][k] = (uint32_t)f.rec[k]->E.g;
+        found += f.n;
+    }
+    ck_assert_int_gt(found, ASKED / 4);
+    for (int i = 0; i < VISITORS; i++) {
+        visitor[i] = (struct visitor){ .all = &v, .number = i };
+        ck_assert_int_eq(
+            pthread_create(&visitor[i].thread, NULL, visit, &visitor[i]), 0);
+    }
+    ok &= settle_others(&v);
+    v.over = true;
+    for (int i = 0; i < VISITORS; i++)
+        pthread_join(visitor[i].thread, NULL);
+    ck_assert(ok);
+    ck_assert_int_eq(v.wrong, 0);
+    rad_ambread_release(&v.r);
 }

@@ -635,7 +635,7 @@ TEST(surroundings_leave_bright_places_apart)
         ck_assert(rad_ambient_insert(w.job->ambient, &rec));
     }
     ck_assert(rad_ambient_settle(w.job->ambient));
-    ck_assert_uint_eq(rad_ambient_view(w.job->ambient, 0)->bright.n, 2);
+    ck_assert_uint_eq(rad_ambient_view(w.job->ambient, 1)->bright.n, 2);
 }
 
 TEST(interpolation_is_close_to_sampling)

@@ -75,7 +75,6 @@ struct tiles {
     const struct rad_passes *passes;
     const struct rad_job *job;
     const struct rad_pass *pass;
-    uint32_t behind;
     uint32_t n;
     bool backward, twice;
     _Atomic uint32_t next;
@@ -110,8 +109,10 @@ work(void *arg)
 
         for (int k = 0; k <= t->twice; k++) {
             t->list[tile].n = 0;
-            ck_assert(rad_passes_make(t->passes, &ctx, t->pass, t->behind, tile,
-                                      &never, keep, &t->list[tile], NULL));
+            ck_assert(rad_passes_make(
+                t->passes, &ctx, t->pass,
+                rad_ambient_view(t->job->ambient, t->pass->reads), tile, &never,
+                keep, &t->list[tile], NULL));
         }
     }
     ck_assert_uint_eq(ctx.counts.primary_rays, 0);
@@ -119,19 +120,17 @@ work(void *arg)
     return NULL;
 }
 
-/* All tiles of a pass, which do not see the last `behind` that are closed. */
+/* All tiles of a pass. */
 static void
 make_pass(struct tiles *t, struct room *m, struct rad_passes *p,
-          const struct rad_pass *pass, uint32_t behind, int threads,
-          bool backward, bool twice)
+          const struct rad_pass *pass, int threads, bool backward, bool twice)
 {
     pthread_t thread[THREADS];
 
-    *t = (struct tiles){
-        p,      m->w.job,    pass,
-        behind, pass->tiles, backward,
-        twice,  0,           calloc(pass->tiles, sizeof *t->list)
-    };
+    *t = (struct tiles){ p,        m->w.job,
+                         pass,     pass->tiles,
+                         backward, twice,
+                         0,        calloc(pass->tiles, sizeof *t->list) };
     ck_assert_ptr_nonnull(t->list);
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, pass, NULL), 0);
     for (int i = 0; i < threads; i++)
@@ -165,8 +164,7 @@ fill(struct room *m, int threads, bool backward, bool twice)
     for (uint32_t i = 0; i < n; i++) {
         struct tiles t;
 
-        make_pass(&t, m, p, &pass[i], i - pass[i].reads, threads, backward,
-                  twice);
+        make_pass(&t, m, p, &pass[i], threads, backward, twice);
         close_pass(m, &t);
     }
     ck_assert(rad_ambient_smooth(m->w.job->ambient));
@@ -222,8 +220,7 @@ fill_parts(struct room *m, int threads, uint32_t ahead)
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t k = i; k <= i + ahead && k < n; k++)
             if (!t[k].list && pass[k].reads <= i)
-                make_pass(&t[k], m, p, &pass[k], i - pass[k].reads, threads,
-                          ahead > 0, false);
+                make_pass(&t[k], m, p, &pass[k], threads, ahead > 0, false);
         close_pass(m, &t[i]);
     }
     ck_assert(rad_ambient_smooth(m->w.job->ambient));
@@ -288,7 +285,7 @@ levels_of_tile(const char *options)
     for (uint32_t k = 0; k < pass[i].tiles && most.n < RAD_PASS_MOST_RECORDS;
          k++) {
         l = (struct levels){ 0 };
-        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, k, &never,
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], NULL, k, &never,
                                   count_levels, &l, NULL));
         most = l.n > most.n ? l : most;
     }
@@ -385,15 +382,15 @@ TEST(paths_can_be_walked_elsewhere)
     here.n = there.n = then.n = 0;
     for (uint32_t i = 0; i < pass[1].tiles; i++) {
         memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[1], 0, i, &never, keep,
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[1], NULL, i, &never, keep,
                                   &here, NULL));
         rays = m->w.ctx.counts.rays;
         memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-        ck_assert(rad_passes_make(told, &m->w.ctx, &pass[1], 0, i, &never, keep,
-                                  &there, NULL));
+        ck_assert(rad_passes_make(told, &m->w.ctx, &pass[1], NULL, i, &never,
+                                  keep, &there, NULL));
         ck_assert_uint_eq(m->w.ctx.counts.rays, rays);
-        ck_assert(rad_passes_make(late, &m->w.ctx, &pass[1], 0, i, &never, keep,
-                                  &then, NULL));
+        ck_assert(rad_passes_make(late, &m->w.ctx, &pass[1], NULL, i, &never,
+                                  keep, &then, NULL));
     }
     ck_assert_uint_gt(here.n, 10);
     ck_assert(here.n == there.n && here.n == then.n);
@@ -528,7 +525,7 @@ TEST(passes_go_over_all_frames)
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
         for (uint32_t i = 0; i < pass[k].tiles; i++) {
             list.n = 0;
-            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, i, &never,
+            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, i, &never,
                                       keep, &list, NULL));
             made[pass[k].frame] += list.n;
         }
@@ -564,11 +561,11 @@ TEST(a_tile_that_shows_its_colours_is_the_same)
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
     list.n = watched.n = 0;
     memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep, &list,
-                              NULL));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, 0, &never, keep,
+                              &list, NULL));
     first = m->w.ctx.counts;
     m->w.ctx.counts = second;
-    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep,
+    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, 0, &never, keep,
                               &watched, &colours));
     second = m->w.ctx.counts;
     ck_assert_uint_gt(list.n, 0);
@@ -590,8 +587,8 @@ TEST(a_tile_that_shows_its_colours_is_the_same)
     for (k = 0; k < n && rad_pass_shows(&pass[k]);)
         k++;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep, &list,
-                              &colours));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, 0, &never, keep,
+                              &list, &colours));
     ck_assert_uint_eq(colours.n, 0);
     rad_passes_free(p);
     close_room(m);
@@ -611,8 +608,8 @@ static void
 make_tile(struct room *m, const struct rad_passes *p,
           const struct rad_pass *pass, uint32_t tile, struct list *list)
 {
-    ck_assert(
-        rad_passes_make(p, &m->w.ctx, pass, 0, tile, &never, keep, list, NULL));
+    ck_assert(rad_passes_make(p, &m->w.ctx, pass, NULL, tile, &never, keep,
+                              list, NULL));
 }
 
 /* Make all tiles of a pass without a limit, and add their records to the cache;
@@ -792,21 +789,21 @@ TEST(a_tile_that_ends_makes_coarse_deep_records)
     before = counts->ambient_rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
     ck_assert(
-        rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &all, NULL));
+        rad_passes_make(p, &m->w.ctx, &one, NULL, 0, &never, keep, &all, NULL));
     rays = counts->ambient_rays - before;
     one.rays = rays / 3;
     before = counts->ambient_rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
-    ck_assert(
-        rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &list, NULL));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &one, NULL, 0, &never, keep, &list,
+                              NULL));
     ck_assert_uint_lt(3 * (counts->ambient_rays - before), 2 * rays);
     ck_assert_double_gt(brightness(&all), 0);
     ck_assert_double_eq_tol(brightness(&list), brightness(&all),
                             .1 * brightness(&all));
     one.rays = 1; /* then it is given up */
     list.n = 0;
-    ck_assert(
-        rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &list, NULL));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &one, NULL, 0, &never, keep, &list,
+                              NULL));
     ck_assert_uint_eq(list.n, 0);
     rad_passes_free(p);
     close_room(m);
@@ -830,7 +827,7 @@ TEST(a_tile_tells_which_pixel_it_is_at)
             uint64_t at;
 
             list.n = 0;
-            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, i, &never,
+            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, i, &never,
                                       keep, &list, NULL));
             at = m->w.ctx.at;
             ck_assert_int_lt(RAD_AT_Y(at), m->frame.height);
@@ -856,7 +853,7 @@ TEST(a_tile_that_is_stopped_hands_on_nothing)
     p = rad_passes_new(&m->frame, 1, NULL);
     for (uint32_t i = 0; i < n; i += n - 1) {
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        ck_assert(!rad_passes_make(p, &m->w.ctx, &pass[i], 0, 0, &now, keep,
+        ck_assert(!rad_passes_make(p, &m->w.ctx, &pass[i], NULL, 0, &now, keep,
                                    &list, NULL));
         ck_assert_uint_eq(list.n, 0);
         ck_assert(m->w.ctx.tile == NULL && !m->w.ctx.no_direct);
