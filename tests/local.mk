@@ -25,6 +25,7 @@ noinst_HEADERS = \
 	tests/lambert.h \
 	tests/made_picture.h \
 	tests/parts.h \
+	tests/plan_parts.h \
 	tests/scarce.h \
 	tests/scratch.h \
 	tests/unit.h \
@@ -67,6 +68,7 @@ include tests/web/local.mk
 THREAD_TESTS = \
 	tests/daemon/child/check_estimate \
 	tests/daemon/child/check_pool \
+	tests/daemon/child/check_pool_tiles \
 	tests/daemon/child/check_team \
 	tests/daemon/child/check_team_lend \
 	tests/daemon/child/check_team_member \

@@ -1,14 +1,15 @@
 /* pool_tiles.c - the ambient cache in passes: tiles, and records of closed
  * passes
  *
- * A tile reads the cache, so the cache changes only while no thread is at a
- * tile.  Several passes may be open.  When the first is closed its tiles are
- * stopped, and the next thread that looks for work while none is at a tile puts
- * the records into the cache; until then threads go on with tiles of other
- * passes.  Threads at units are waited for, too: between two batches of frames
- * these are units that another worker has finished, which the coordinator takes
- * back.  The records are settled in pieces, by all threads.  One thread alone
- * gets a pass ready for its tiles. */
+ * Several passes may be open.  When the first is closed its tiles are stopped,
+ * and once they are over the next thread that looks for work puts the records
+ * into the cache, beside tiles of other passes, which do not see them.  They
+ * are settled in pieces, by all threads that look for work.  What pixels see is
+ * changed while no thread is at a tile, and threads go on with tiles until
+ * there are none that they may begin.  Threads at units are waited for: between
+ * two batches of frames these are units that another worker has finished, which
+ * the coordinator takes back.  One thread alone gets a pass ready for its
+ * tiles. */
 #include "config.h"
 
 #include "pool/pool_impl.h"
@@ -92,6 +93,7 @@ make_tile(struct renderer *by, struct pool_tile *t)
     struct pool *p = by->pool;
     struct pool_tiling *k = &p->tiling;
     struct pool_stint stint = pool_stint_begin(by);
+    uint32_t slot = t->pass % MSG_OPEN_PASSES;
     double cpu;
     bool whole;
 
@@ -104,11 +106,11 @@ make_tile(struct renderer *by, struct pool_tile *t)
         k->made = t;
     } else {
         counted_add(&k->dropped, &by->ctx.counts, cpu);
-        if (!atomic_load(&k->stop[t->pass % MSG_OPEN_PASSES]))
+        if (!atomic_load(&k->stop[slot]))
             rad_fail_memory(&k->err);
         pool_tile_free(t);
     }
-    if (--k->members == 0)
+    if (--k->members[slot] == 0)
         uv_cond_broadcast(&p->work);
     uv_mutex_unlock(&p->mu);
     wake_send(&p->wake); /* now, for the loop takes the lock first */
@@ -220,7 +222,7 @@ settle_piece(struct pool *p, size_t piece)
 
     rad_ambient_settle_piece(p->job->ambient, piece);
     uv_mutex_lock(&p->mu);
-    if (--k->members == 0 && k->piece == k->pieces) {
+    if (--k->settling == 0 && k->piece == k->pieces) {
         f = k->settled;
         k->settled = NULL;
         k->state = POOL_CACHE_CHANGED;
@@ -230,7 +232,7 @@ settle_piece(struct pool *p, size_t piece)
         end_pass(p, f, true);
 }
 
-/* Put a closed pass into the cache, while no thread is at a tile. */
+/* Put a closed pass into the cache. */
 static void
 close_pass(struct pool *p, struct pool_frozen *f)
 {
@@ -243,7 +245,7 @@ close_pass(struct pool *p, struct pool_frozen *f)
     if (added) {
         rad_ambient_insert_all(amb, f->rec, f->n);
         added = rad_ambient_count(amb) == all;
-        pieces = added ? rad_ambient_settle_begin(amb, true) : 0;
+        pieces = added ? rad_ambient_settle_begin(amb, f->rest) : 0;
     }
     if (pieces == 0) {
         end_pass(p, f, added);
@@ -267,30 +269,90 @@ find_piece_locked(struct pool_tiling *k, struct pool_tile_work *w)
     if (k->piece == k->pieces)
         return false;
     w->piece = k->piece++;
-    k->members++;
+    k->settling++;
     return true;
 }
 
-/* The first listed tile for which the cache has all that it reads; none if a
- * pass waits for the cache and no thread is at a tile, for the pass comes
- * first. */
+/* Are threads at tiles? */
+static bool
+at_tiles_locked(const struct pool_tiling *k)
+{
+    int n = 0;
+
+    for (int i = 0; i < MSG_OPEN_PASSES; i++)
+        n += k->members[i];
+    return n > 0;
+}
+
+static bool
+has_begun_locked(const struct pool_tiling *k, uint32_t pass)
+{
+    return k->begun[pass % MSG_OPEN_PASSES] == pass + 1;
+}
+
+/* Has the cache all that the tile reads, and is the pass ready for it, or can
+ * be got ready now? */
+static bool
+can_begin_locked(const struct pool_tiling *k, const struct pool_tile *t)
+{
+    return k->plan[t->pass].reads <= k->open &&
+           (k->state == POOL_CACHE_READ || has_begun_locked(k, t->pass));
+}
+
+/* The first listed tile that can begin; none if a pass waits for the cache
+ * while no thread is at a tile, for the pass comes first. */
 static bool
 find_todo_locked(struct pool_tiling *k, struct pool_tile_work *w)
 {
     struct pool_tile **at = &k->todo, *t;
 
-    while ((t = *at) && k->plan[t->pass].reads > k->open)
+    while ((t = *at) && !can_begin_locked(k, t))
         at = &t->next;
-    if (!t || (k->frozen && !k->members))
+    if (!t || (k->state == POOL_CACHE_READ && k->frozen && !at_tiles_locked(k)))
         return false;
-    if (k->begun[t->pass % MSG_OPEN_PASSES] != t->pass + 1) {
+    if (!has_begun_locked(k, t->pass)) {
         w->begins = &k->plan[t->pass];
         k->state = POOL_CACHE_CHANGED;
+        k->alone = false;
         return true;
     }
     w->tile = t;
     unlink_locked(k, at);
-    k->members++;
+    k->members[t->pass % MSG_OPEN_PASSES]++;
+    return true;
+}
+
+/* Must threads be at no tile while that is done?  Yes, if pixels see something
+ * else then, or tiles would miss what is replaced. */
+static bool
+needs_rest_locked(const struct pool *p, const struct pool_frozen *f)
+{
+    const struct pool_tiling *k = &p->tiling;
+
+    return f->job || f->spot || rad_ambient_is_smooth(p->job->ambient) ||
+           rad_pass_is_last(k->plan, k->npasses, k->open);
+}
+
+/* The first pass that waits for the cache, or a change of options, if that can
+ * be done now; and note with what else it can be. */
+static bool
+find_frozen_locked(struct pool *p, struct pool_tile_work *w)
+{
+    struct pool_tiling *k = &p->tiling;
+    struct pool_frozen *f = k->frozen;
+
+    if (!f || p->active || pool_is_estimating_locked(p))
+        return false;
+    f->rest = !at_tiles_locked(k);
+    k->alone = needs_rest_locked(p, f);
+    if (k->alone ? !f->rest : k->members[k->open % MSG_OPEN_PASSES] > 0)
+        return false;
+    w->frozen = f;
+    k->frozen = f->next;
+    f->next = NULL;
+    if (!k->frozen)
+        k->frozen_end = &k->frozen;
+    k->state = POOL_CACHE_CHANGED;
     return true;
 }
 
@@ -300,20 +362,12 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
     struct pool_tiling *k = &p->tiling;
 
     *w = (struct pool_tile_work){ 0 };
-    if (k->err.code || k->state == POOL_CACHE_CHANGED)
+    if (k->err.code)
         return false;
-    if (k->state == POOL_CACHE_SHARED)
-        return find_piece_locked(k, w);
-    if (!k->frozen || k->members > 0 || p->active ||
-        pool_is_estimating_locked(p))
-        return find_todo_locked(k, w);
-    w->frozen = k->frozen;
-    k->frozen = w->frozen->next;
-    w->frozen->next = NULL;
-    if (!k->frozen)
-        k->frozen_end = &k->frozen;
-    k->state = POOL_CACHE_CHANGED;
-    return true;
+    if ((k->state == POOL_CACHE_SHARED && find_piece_locked(k, w)) ||
+        (k->state == POOL_CACHE_READ && find_frozen_locked(p, w)))
+        return true;
+    return (k->state == POOL_CACHE_READ || !k->alone) && find_todo_locked(k, w);
 }
 
 void
@@ -367,7 +421,7 @@ pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool tells_colours)
 }
 
 /* List a copy of *as, a pass for the cache or a change of options: a thread
- * does it when none is at work.  False: out of memory, and nothing is locked.
+ * does it when it can be done.  False: out of memory, and nothing is locked.
  */
 static bool
 push_frozen_and_lock(struct pool *p, const struct pool_frozen *as)

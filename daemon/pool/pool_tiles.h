@@ -19,16 +19,21 @@ struct pool_frozen {
     struct rad_ambrec *rec;
     size_t n;
     struct rad_pass_spot *spot; /* ends of a pass of paths; NULL: not known */
+    bool rest; /* no thread was at a tile when a thread began to do this */
 };
 
-/* Tiles are made, and the cache changes, outside of the lock: `members' and
- * `state' keep the two apart.
+/* Tiles are made, and the cache changes, outside of the lock.
  *
  *   READ --> CHANGED --> READ     a pass is begun, or pictures are shown
  *   READ --> CHANGED --> SHARED --> CHANGED --> READ     a pass is closed: its
- *            records are added, settled in pieces, and taken as settled */
+ *            records are added, settled in pieces, and taken as settled
+ *
+ * Meanwhile tiles begin and go on, unless `alone': they do not see what comes.
+ * But before a pass goes in, its own tiles and those of passes before it are
+ * over: so views of the cache, and trees, are there as long as a tile reads
+ * them (rad_ambient_settle_begin()). */
 enum pool_cache {
-    POOL_CACHE_READ,    /* threads may be at tiles and units */
+    POOL_CACHE_READ,    /* threads may be at units, too */
     POOL_CACHE_CHANGED, /* by one thread */
     POOL_CACHE_SHARED   /* settled by all threads, a piece each at a time */
 };
@@ -42,10 +47,13 @@ struct pool_tiling {
     uint32_t closed;             /* [mu] in the cache, or still in `frozen' */
     uint32_t begun[MSG_OPEN_PASSES]; /* [mu] by pass number modulo: 1 + number
                                       * of the pass that was begun last */
+    int members[MSG_OPEN_PASSES];    /* [mu] threads at tiles, by pass number
+                                      * modulo */
     enum pool_cache state;           /* [mu] */
-    int members;                     /* [mu] threads at tiles, or at pieces */
-    struct pool_frozen *settled;     /* [mu] while SHARED: the pass; */
-    size_t piece, pieces; /* the next of its pieces, and their number */
+    bool alone; /* [mu] unless READ: no thread is at a tile, and none begins */
+    struct pool_frozen *settled; /* [mu] while SHARED: the pass; */
+    size_t piece, pieces;        /* the next of its pieces, and their number; */
+    int settling;                /* threads at pieces */
     _Atomic bool stop[MSG_OPEN_PASSES]; /* end tiles of that pass; written with
                                          * mu held, read anywhere */
     struct pool_tile *todo, **todo_end; /* [mu] */

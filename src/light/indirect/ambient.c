@@ -174,7 +174,7 @@ insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
 
     if (!rad_ambient_fits(amb, rec))
         return false;
-    if (amb->smooth.smooth)
+    if (rad_ambient_is_smooth(amb))
         rad_ambsmooth_release(&amb->smooth); /* has pointers to the records */
     if (!(amb->frozen ? rad_ambread_add(&amb->read, rec)
                       : rad_ambcache_insert(amb->cache, rec, &zone, local)))
@@ -334,6 +334,12 @@ rad_ambient_smooth(struct rad_ambient *amb)
     return !amb->frozen ||
            rad_ambsmooth_make(&amb->smooth, amb->job->geom, &amb->scale,
                               amb->read.item, amb->read.n);
+}
+
+bool
+rad_ambient_is_smooth(const struct rad_ambient *amb)
+{
+    return amb->smooth.smooth != NULL;
 }
 
 size_t

@@ -62,6 +62,7 @@ const struct rad_ambview *rad_ambient_view(const struct rad_ambient *amb,
  * they were made.  To be called when all records are there, and again after
  * insertions.  Does nothing for a live cache.  False: out of memory. */
 bool rad_ambient_smooth(struct rad_ambient *amb);
+bool rad_ambient_is_smooth(const struct rad_ambient *amb);
 
 bool rad_ambient_is_frozen(const struct rad_ambient *amb);
 

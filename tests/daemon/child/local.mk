@@ -2,6 +2,7 @@
 UNIT_TESTS += \
 	tests/daemon/child/check_estimate \
 	tests/daemon/child/check_pool \
+	tests/daemon/child/check_pool_tiles \
 	tests/daemon/child/check_render \
 	tests/daemon/child/check_sandbox \
 	tests/daemon/child/check_strict_loan \

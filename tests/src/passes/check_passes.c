@@ -5,6 +5,7 @@
 #include "image/hdr.h"
 #include "passes/passes.h"
 
+#include "tests/plan_parts.h"
 #include "tests/world_picture.h"
 
 #include <pthread.h>
@@ -171,40 +172,6 @@ fill(struct room *m, int threads, bool backward, bool twice)
     rad_passes_free(p);
 }
 
-/* All that a scattered pass has in its part. */
-static void
-scatter(struct rad_pass *k)
-{
-    k->squares = k->end = k->tiles = rad_pass_tiles(k, SIDE, SIDE);
-    k->leap = 1;
-}
-
-/* Each pass of the plan in parts, of which none needs anything of another; of
- * the scattered pass they replace its rounds. */
-static uint32_t
-plan_parts(const struct room *m, struct rad_pass pass[RAD_MOST_PASSES])
-{
-    static struct rad_pass whole[RAD_MOST_PASSES];
-    uint32_t n = plan(m, whole), to = 1;
-
-    pass[0] = whole[0];
-    for (uint32_t i = 1; i < n && !(whole[i].scattered && whole[i].first); i++)
-        for (int part = 0; part < RAD_PASS_PARTS; part++) {
-            struct rad_pass *k = &pass[to];
-
-            *k = whole[i];
-            k->part = part;
-            k->reads = to < RAD_PASS_PARTS ? 1 : to + 1 - RAD_PASS_PARTS;
-            if (k->scattered)
-                scatter(k);
-            else
-                k->tiles = k->level > 0 ? (k->tiles + 3) / RAD_PASS_PARTS
-                                        : rad_pass_tiles(k, SIDE, SIDE);
-            to += k->tiles > 0;
-        }
-    return to;
-}
-
 /* Make the tiles of passes from number i on, up to `ahead` behind it, as soon
  * as those that they read are closed. */
 static void
@@ -213,7 +180,7 @@ fill_parts(struct room *m, int threads, uint32_t ahead)
     struct rad_passes *p = rad_passes_new(&m->frame, 1, NULL);
     static struct rad_pass pass[RAD_MOST_PASSES];
     static struct tiles t[RAD_MOST_PASSES];
-    uint32_t n = plan_parts(m, pass);
+    uint32_t n = plan_parts(&m->w.job->params, SIDE, pass);
 
     memset(t, 0, sizeof t);
     ck_assert_ptr_nonnull(p);
