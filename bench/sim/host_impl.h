@@ -61,8 +61,9 @@ struct host {
     uint32_t closed, passes;
     struct host_tile *tile; /* to make, but for those that threads make */
     uint32_t ntiles;
-    int members;   /* threads that make tiles */
-    bool changing; /* a thread gets a pass ready, or puts records in */
+    int members[MSG_OPEN_PASSES]; /* threads that make tiles, by pass modulo */
+    bool changing; /* a thread gets a pass ready, or puts records in, */
+    bool alone;    /* while no other makes a tile */
     uint32_t begun[MSG_OPEN_PASSES]; /* a pass that is ready for tiles, + 1 */
     struct errand *errands;          /* to do */
     bool ticking, ready;

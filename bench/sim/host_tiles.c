@@ -44,7 +44,7 @@ static void
 rest(struct host_thread *t)
 {
     if (t->at_tiles == HOST_TILES)
-        t->host->members--;
+        t->host->members[t->tile.pass % MSG_OPEN_PASSES]--;
     else
         t->host->changing = false;
     t->at_tiles = HOST_STATES;
@@ -137,9 +137,16 @@ begin_insert(struct host_thread *t)
     const struct cluster *c = t->host->cluster;
 
     t->host->changing = true;
+    t->host->alone = pass_of(t->host, t->host->passes)->alone;
     spend(t, HOST_INSERTS,
           1e-6 * c->spec->insert_us * c->nrecords[t->host->passes], inserted);
     return true;
+}
+
+static bool
+has_begun(const struct host *h, uint32_t pass)
+{
+    return h->begun[pass % MSG_OPEN_PASSES] == pass + 1;
 }
 
 /* Make a tile, or first get its pass ready. */
@@ -149,28 +156,47 @@ begin_tile(struct host_thread *t, uint32_t i)
     struct host *h = t->host;
 
     t->tile = h->tile[i];
-    if (h->begun[t->tile.pass % MSG_OPEN_PASSES] != t->tile.pass + 1) {
+    if (!has_begun(h, t->tile.pass)) {
         h->changing = true;
+        h->alone = false;
         spend(t, HOST_WALKS, pass_of(h, t->tile.pass)->begin_s, walked);
         return true;
     }
     drop_tile(h, i);
-    h->members++;
+    h->members[t->tile.pass % MSG_OPEN_PASSES]++;
     spend(t, HOST_TILES, cost_of(h, &t->tile)->seconds, tile_done);
     return true;
+}
+
+static bool
+at_tiles(const struct host *h)
+{
+    int n = 0;
+
+    for (int i = 0; i < MSG_OPEN_PASSES; i++)
+        n += h->members[i];
+    return n > 0;
+}
+
+static bool
+can_begin(const struct host *h, uint32_t pass)
+{
+    return pass_of(h, pass)->reads <= h->passes &&
+           (!h->changing || has_begun(h, pass));
 }
 
 bool
 host_tiles_begin(struct host_thread *t)
 {
     const struct host *h = t->host;
+    bool waits = !h->changing && h->passes < h->closed;
     uint32_t i = 0;
 
-    if (h->changing)
+    if (waits && !h->teams && !(pass_of(h, h->passes)->alone && at_tiles(h)))
+        return begin_insert(t);
+    if ((h->changing && h->alone) || (waits && !at_tiles(h)))
         return false;
-    if (h->passes < h->closed && h->members == 0)
-        return !h->teams && begin_insert(t);
-    while (i < h->ntiles && pass_of(h, h->tile[i].pass)->reads > h->passes)
+    while (i < h->ntiles && !can_begin(h, h->tile[i].pass))
         i++;
     return i < h->ntiles && begin_tile(t, i);
 }
@@ -248,7 +274,7 @@ host_tiles_forget(struct host *h)
         h->thread[i].at_tiles = HOST_STATES;
     h->ntiles = 0;
     h->closed = h->passes = 0;
-    h->members = 0;
+    memset(h->members, 0, sizeof h->members);
     h->changing = false;
     memset(h->begun, 0, sizeof h->begun);
 }

@@ -69,6 +69,7 @@ check_plan(struct tiles *t, struct rad_error *err)
     n = rad_passes_plan(&params, &size, 1, plan);
     for (uint32_t i = 0; i < n && n == t->npasses; i++) {
         t->pass[i].reads = plan[i].reads;
+        t->pass[i].alone = plan[i].walks || rad_pass_is_last(plan, n, i);
         if (plan[i].tiles != t->pass[i].n)
             n = 0;
     }

@@ -30,6 +30,7 @@ struct tiles {
     struct tile_pass {
         double begin_s;
         uint32_t n, reads; /* as in struct rad_pass */
+        bool alone;        /* no thread may be at a tile when it goes in */
         struct tile_cost *tile;
     } pass[RAD_MOST_PASSES];
 };
