@@ -183,11 +183,29 @@ find(struct host_thread *t, enum strict_rank least)
     return t->pass;
 }
 
+/* Find a team with blocks to help with, the most urgent first. */
+static bool
+find_help(struct host_thread *t)
+{
+    struct host_pass *best = NULL;
+
+    for (struct host_pass *p = t->host->teams; p; p = p->next)
+        if ((!best || p->task.pass->rank < best->task.pass->rank) &&
+            team_helps(p->task.team))
+            best = p;
+    if (!best)
+        return false;
+    t->pass = best;
+    t->fibre = task_join(&best->task);
+    best->threads++;
+    return true;
+}
+
 bool
 host_pass_begin(struct host_thread *t)
 {
     if (!find(t, STRICT_TRUTH) && !find(t, STRICT_LINES) &&
-        !find(t, STRICT_AHEAD))
+        !find(t, STRICT_AHEAD) && !find_help(t))
         return false;
     host_time_tell(t, "begins");
     return true;

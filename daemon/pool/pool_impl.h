@@ -147,6 +147,8 @@ void pool_look_locked(struct pool *p);
 void pool_changed_locked(struct pool *p);
 /* A team_bottom_fn; arg is a struct active. */
 void pool_on_bottom(void *arg);
+/* A team_help_fn, likewise. */
+void pool_on_help(void *arg);
 /* End a pass that all threads have left; sets u->counts if its unit is done. */
 void pool_end_pass_locked(struct active *u);
 

@@ -51,6 +51,17 @@ pool_on_bottom(void *arg)
 }
 
 void
+pool_on_help(void *arg)
+{
+    struct pool *p = ((struct active *)arg)->pool;
+
+    uv_mutex_lock(&p->mu);
+    if (p->idle > 0)
+        uv_cond_broadcast(&p->work);
+    uv_mutex_unlock(&p->mu);
+}
+
+void
 pool_end_pass_locked(struct active *u)
 {
     struct pool *p = u->pool;

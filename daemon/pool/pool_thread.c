@@ -2,12 +2,12 @@
  *
  * A thread takes a unit from the queue and renders it as the first member of
  * its team (team.h).  If the queue is empty it joins a team that has lines left
- * to begin.  So each of many units has a thread of its own, and a single unit,
- * or the last units, have all threads.
- * Of a strict unit a team makes one pass at a time; strict_rank.c chooses the
- * next.  Passes under true tops come before passes ahead.  A thread joins a
- * pass of TRUTH or LINES rather than begin a less urgent pass, for other
- * workers may wait for its result. */
+ * to begin, else one whose members it can help with their lines.  So each of
+ * many units has a thread of its own, and a single unit, or the last units,
+ * have all threads to their last columns. Of a strict unit a team makes one
+ * pass at a time; strict_rank.c chooses the next.  Passes under true tops come
+ * before passes ahead.  A thread joins a pass of TRUTH or LINES rather than
+ * begin a less urgent pass, for other workers may wait for its result. */
 #include "config.h"
 
 #include "pool/pool_impl.h"
@@ -31,6 +31,18 @@ find_open_locked(const struct pool *p, enum strict_rank least)
     while (u && (u->rank > least || !team_open(u->team)))
         u = u->next;
     return u;
+}
+
+/* The most urgent unit with blocks to help with. */
+static struct active *
+find_help_locked(const struct pool *p)
+{
+    struct active *best = NULL;
+
+    for (struct active *u = p->active; u; u = u->next)
+        if ((!best || u->rank < best->rank) && team_helps(u->team))
+            best = u;
+    return best;
 }
 
 static struct queued *
@@ -72,7 +84,8 @@ find_locked(struct pool *p, struct work *w)
              !(w->window = take_queued_locked(p)) &&
              !find_strict_locked(p, STRICT_LINES, w) &&
              !find_strict_locked(p, STRICT_AHEAD, w) &&
-             !(w->help = find_open_locked(p, STRICT_AHEAD)))
+             !(w->help = find_open_locked(p, STRICT_AHEAD)) &&
+             !(w->help = find_help_locked(p)))
         return false;
     if (w->help)
         w->help->members++;

@@ -251,6 +251,7 @@ new_team(struct active *u)
     spec.trace = spec.loan ? trace_lent : trace;
     spec.paint = paint;
     spec.count = count_rays;
+    spec.help = pool_on_help;
     spec.arg = u;
     spec.nthreads = spec.ahead.earlier ? 1 : u->pool->nthreads;
     if (spec.mode == TEAM_TRUTH) {

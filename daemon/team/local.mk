@@ -3,6 +3,7 @@ libdaemon_a_SOURCES += \
 	daemon/team/team.c \
 	daemon/team/team.h \
 	daemon/team/team_blocks.c \
+	daemon/team/team_help.c \
 	daemon/team/team_impl.h \
 	daemon/team/team_lend.c \
 	daemon/team/team_line.c \

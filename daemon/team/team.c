@@ -122,6 +122,18 @@ begin_blocks_locked(struct team *t, int i)
     atomic_store(&line_at(t, i)->taken[PART_BAR], away.bar);
 }
 
+/* The line's buffers had another line, whose helpers are done. */
+static void
+begin_help_locked(struct team *t, int i)
+{
+    struct line *l = line_at(t, i);
+
+    for (int k = 0; k < NPART; k++)
+        l->helped[k] = l->helped_done[k] = 0;
+    rad_facts_free(atomic_load_explicit(&l->own, memory_order_relaxed));
+    atomic_store_explicit(&l->own, NULL, memory_order_relaxed);
+}
+
 int
 team_line_begin(struct team *t)
 {
@@ -135,6 +147,7 @@ team_line_begin(struct team *t)
         line_at(t, i)->done = false;
         atomic_store(&line_at(t, i)->ready, 0);
         atomic_store_explicit(&line_at(t, i)->shown, 0, memory_order_relaxed);
+        begin_help_locked(t, i);
         begin_blocks_locked(t, i);
     }
     uv_mutex_unlock(&t->mu);
@@ -367,8 +380,10 @@ team_free(struct team *t)
         return;
     uv_mutex_destroy(&t->mu);
     uv_cond_destroy(&t->moved);
-    for (int i = 0; i < t->nlines && t->slots; i++)
+    for (int i = 0; i < t->nlines && t->slots; i++) {
         uv_cond_destroy(&t->lines[i].moved);
+        rad_facts_free(t->lines[i].own);
+    }
     free(t->lines);
     free(t->density);
     free(t->known);

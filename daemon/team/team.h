@@ -6,7 +6,8 @@
  * that a single thread would.  Each member takes a line.  It samples the base
  * line close behind the member on the line above, whose densities it needs,
  * then fills the bar.  So the members move across the area in echelon, and what
- * one line waits for in the line above is a number in memory.
+ * one line waits for in the line above is a number in memory.  A member that
+ * finds no line to begin helps with blocks of the others' (team_help.c).
  *
  * A unit needs its top: the base line above its first line, as it is in the
  * picture (small sources painted), and the densities after it.  A unit that
@@ -40,9 +41,9 @@
  * A team knows no scene: pixels come from a callback, a pure function of the
  * pixel's place.
  * Thread: team_work() from several threads at once; team_stop(), team_open(),
- * team_shrink(), team_lend(), team_back(), team_bottom(), team_rays(),
- * team_made() and team_waited() from any; all others while no thread works.
- * Rows are handed on by one member at a time. */
+ * team_helps(), team_shrink(), team_lend(), team_back(), team_bottom(),
+ * team_rays(), team_made() and team_waited() from any; all others while no
+ * thread works. Rows are handed on by one member at a time. */
 #ifndef RADD_DAEMON_TEAM_H
 #define RADD_DAEMON_TEAM_H
 
@@ -58,11 +59,15 @@ void team_free(struct team *t);
 int team_line_row(const struct rad_quincunx *q, int i);
 int team_line_rows(const struct rad_quincunx *q, int i);
 
-/* Work as a member until no line is left to begin, or the team is stopped. */
+/* Work as a member until there is no line to begin and no block to help with
+ * just now, or the team is stopped. */
 void team_work(struct team *t, struct rad_ctx *ctx);
 
 /* Is there a line for another member to begin? */
 bool team_open(struct team *t);
+
+/* Is there no line, but a block of one for another member to help with? */
+bool team_helps(struct team *t);
 
 /* End early: each member leaves within a few pixels. */
 void team_stop(struct team *t);

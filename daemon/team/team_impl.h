@@ -5,6 +5,7 @@
  *   team_member.c  how a member traces, waits, and wakes the line below
  *   team_blocks.c  the rows of a line, and its blocks of columns
  *   team_sweep.c   a line traced ahead, block by block
+ *   team_help.c    blocks of lines that other members are at
  *   team_lend.c    columns that are lent to another team
  *
  * A line needs from the line above
@@ -55,6 +56,12 @@ struct line {
      * sets a bit has the block.  No other data depends on the bits;
      * sequentially consistent, as a weaker order would gain nothing. */
     _Atomic uint64_t taken[NPART];
+    /* [mu] Blocks that helpers took, and of these the ones that they did. */
+    uint64_t helped[NPART], helped_done[NPART];
+    /* Facts for helpers where spec.facts has none of the line; made by the
+     * first helper, with mu held, and stay until the line's buffers get
+     * another line.  Stored (release) for team_facts(). */
+    _Atomic(struct rad_facts *) own;
     uint64_t primary; /* [mu] valid with done; see team_primary() */
     bool done;        /* [mu] base line and bar are done */
 };
@@ -70,7 +77,8 @@ struct team {
     struct rad_pixel *slots;  /* [fixed] row k is in slot k modulo nslots */
     struct line *lines;       /* [fixed] line i is in place i % nlines */
     uv_mutex_t mu;
-    uv_cond_t moved;       /* finished, last or stopped has changed */
+    uv_cond_t moved;       /* finished, last, stopped or a line's helped_done
+                            * has changed */
     _Atomic int last;      /* end of the lines; written with mu held, relaxed
                             * without */
     int begun;             /* [mu] the next line to begin */
@@ -118,6 +126,18 @@ is_wanted(const struct team_loan *loan, int x)
     int i = x - loan->x;
 
     return loan->wanted[i / 8] >> i % 8 & 1;
+}
+
+/* The facts of line i; NULL: it has none. */
+static inline struct rad_facts *
+team_facts(const struct team *t, int i)
+{
+    struct rad_facts *f = NULL;
+
+    if (t->spec.facts)
+        f = atomic_load_explicit(&t->spec.facts[i], memory_order_acquire);
+    return f ? f
+             : atomic_load_explicit(&line_at(t, i)->own, memory_order_acquire);
 }
 
 /* Does this pass fill the bar of line i? */

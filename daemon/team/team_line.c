@@ -80,7 +80,7 @@ densities_needed(const struct member *m, const struct rad_quincunx_line *s)
 static bool
 wants_sweep(const struct member *m)
 {
-    return m->team->spec.end != TEAM_FROM_LEFT && facts_of(m);
+    return m->team->spec.end != TEAM_FROM_LEFT && team_facts(m->team, m->i);
 }
 
 /* While the densities of the line above are not there, trace gaps of the line
@@ -92,16 +92,16 @@ wants_sweep(const struct member *m)
 static void
 trace_early(struct member *m, const struct rad_quincunx_line *s, size_t need)
 {
+    struct rad_pixel pixels[RAD_QUINCUNX_MAX_XSTEP + 1];
     struct team *t = m->team;
-    struct line *l = line_at(t, m->i);
 
-    if (!l->known || m->i == t->spec.first || need == 0)
+    if (!line_at(t, m->i)->known || m->i == t->spec.first || need == 0)
         return;
     m->early = true;
     while (atomic_load(&line_at(t, m->i - 1)->ready) < need && !is_stopped(t)) {
         if (m->ahead - 1 <= (int)s->gap)
             break;
-        rad_quincunx_gap(&m->q, m->i, --m->ahead, NULL, l->sampled);
+        rad_quincunx_gap(&m->q, m->i, --m->ahead, NULL, pixels);
         member_tell_rays(m);
     }
     m->early = false;
@@ -128,7 +128,7 @@ leave_lent_blocks(struct member *m)
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
     uint64_t mine;
 
-    if (!sweep_line(m))
+    if (!sweep_line(m) || !help_await_base(m))
         return false;
     mine = m->mine[PART_BASE];
     if (has_bar(m->team, m->i)) {
@@ -139,7 +139,7 @@ leave_lent_blocks(struct member *m)
     return leave_blocked(m);
 }
 
-/* Is the gap of the base line for the member to trace?  Not if it is lent. */
+/* Is the gap of the base line for the member to fill?  Not if it is lent. */
 static bool
 claim_gap(struct member *m, size_t gap)
 {
@@ -148,7 +148,18 @@ claim_gap(struct member *m, size_t gap)
     if ((int)gap >= rad_quincunx_ngaps(&m->q, m->i))
         return true;
     x = rad_quincunx_gap_begin(&m->q, m->i, (int)gap);
-    return sweep_claim(m, PART_BASE, x / team_block_columns(&m->q));
+    return help_claim(m, PART_BASE, x / team_block_columns(&m->q));
+}
+
+/* The base line is complete. */
+static void
+finish_base(struct member *m)
+{
+    struct team *t = m->team;
+
+    member_publish(t, line_at(t, m->i), t->ndensity + 1);
+    if (t->spec.help)
+        t->spec.help(t->spec.arg);
 }
 
 /* Sample the base line; false: the team is stopped, or blocks are lent. */
@@ -161,7 +172,7 @@ sample_line(struct member *m)
 
     if (wants_sweep(m) && !sweep_line(m))
         return false;
-    if (!sweep_claim(m, PART_BASE, 0))
+    if (!help_claim(m, PART_BASE, 0))
         return leave_lent_blocks(m);
     rad_quincunx_line_start(&s, &m->q, m->i, density_above(m), l->density,
                             l->sampled);
@@ -180,7 +191,7 @@ sample_line(struct member *m)
     } while (rad_quincunx_line_step(&s));
     show(m, m->q.width);
     team_add(t, &t->base, 1);
-    member_publish(t, l, t->ndensity + 1);
+    finish_base(m);
     if (is_bottom(m) && t->spec.bottom)
         t->spec.bottom(t->spec.arg);
     return true;
@@ -198,9 +209,11 @@ fill_blocks(struct member *m, struct rad_pixel *const rows[])
         int b = s.x / columns, end = (b + 1) * columns;
 
         end = end < width ? end : width;
-        if (sweep_claim(m, PART_BAR, b)) {
+        if (help_claim(m, PART_BAR, b)) {
             if (!member_fill(m, rows, &s, end))
                 return false;
+        } else if (is_stopped(m->team)) {
+            return false;
         } else if (m->truth) {
             return sweep_bar(m, rows, UINT64_MAX) && leave_blocked(m);
         } else {
@@ -263,15 +276,21 @@ do_loan(struct member *m)
     const struct team_loan *loan = m->team->spec.loan;
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
     struct line *l = line_at(m->team, m->i);
+    uint64_t bars = UINT64_MAX;
 
-    if (!loan->base)
+    if (!loan->base) {
         memcpy(l->sampled + loan->x, loan->bottom,
                (size_t)loan->n * sizeof *l->sampled);
-    else if (!sweep_line(m))
-        return false;
-    member_publish(m->team, l, m->team->ndensity + 1);
+    } else {
+        if (!sweep_line(m) || !help_await_base(m))
+            return false;
+        bars = bars_of(m, loan);
+        /* helpers leave the others out, too */
+        atomic_fetch_or(&l->taken[PART_BAR], ~bars);
+    }
+    finish_base(m);
     member_bar_rows(m, rows);
-    return sweep_bar(m, rows, loan->base ? bars_of(m, loan) : UINT64_MAX);
+    return sweep_bar(m, rows, bars);
 }
 
 static bool
@@ -279,14 +298,8 @@ do_line(struct member *m)
 {
     const struct team *t = m->team;
 
-    m->row0 = team_line_row(&m->q, m->i);
-    m->row = m->q.y0 + rad_quincunx_base_row(&m->q, m->i);
-    m->ahead = rad_quincunx_ngaps(&m->q, m->i);
     if (line_at(t, m->i)->known)
         memset(line_at(t, m->i)->known, 0, (size_t)m->q.width * sizeof(bool));
-    m->unsure = member_is_unsure(m);
-    m->facts = t->spec.facts ? &t->spec.facts[m->i] : NULL;
-    m->mine[PART_BASE] = m->mine[PART_BAR] = 0;
     if (t->spec.loan)
         return do_loan(m);
     return sample_line(m) && (!has_bar(t, m->i) || fill_bar(m));
@@ -301,7 +314,7 @@ cpu_ns(void)
     return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
-/* Add the time since the member left its last line to this line. */
+/* Add the time since the member left its last line, or block, to this line. */
 static void
 count_line(const struct member *m, uint64_t *since)
 {
@@ -311,26 +324,34 @@ count_line(const struct member *m, uint64_t *since)
     if (!spec->cpu_ns)
         return;
     now = cpu_ns();
+    uv_mutex_lock(&m->team->mu);
     spec->cpu_ns[m->i - spec->first] += now - *since;
+    uv_mutex_unlock(&m->team->mu);
     *since = now;
 }
 
-/* Work on lines until there is none, or the team is stopped or blocked. */
+/* Work on lines until there is none, or the team is stopped or blocked, then on
+ * blocks of other members' lines. */
 static void
 do_lines(struct member *m)
 {
     uint64_t since = m->team->spec.cpu_ns ? cpu_ns() : 0;
+    int i;
 
-    while ((m->i = team_line_begin(m->team)) >= 0) {
+    while ((i = team_line_begin(m->team)) >= 0) {
         uint64_t primary = m->primary;
-        bool done = do_line(m);
+        bool done;
 
+        member_set_line(m, i);
+        done = do_line(m);
         count_line(m, &since);
         if (!done)
             return;
         member_tell_all(m);
         team_line_finish(m->team, m->ctx, m->i, m->primary - primary);
     }
+    while (help_with_block(m))
+        count_line(m, &since);
 }
 
 void

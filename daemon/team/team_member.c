@@ -68,7 +68,7 @@ recall(const struct member *m, int x, int y, struct rad_pixel *out)
 {
     const struct line *l = line_at(m->team, m->i);
 
-    if (!l->known || y != m->row || !l->known[x - m->q.x0])
+    if (m->helps || !l->known || y != m->row || !l->known[x - m->q.x0])
         return false;
     *out = l->early[x - m->q.x0];
     return true;
@@ -87,7 +87,7 @@ static void
 trace(void *arg, int x, int y, struct rad_pixel *out)
 {
     struct member *m = arg;
-    struct rad_facts *f = facts_of(m);
+    struct rad_facts *f = team_facts(m->team, m->i);
 
     if (recall(m, x, y, out)) {
         m->primary += !m->early;
@@ -267,6 +267,17 @@ member_is_unsure(const struct member *m)
     return (t->spec.mode == TEAM_AHEAD || t->spec.mode == TEAM_LINES) &&
            !t->spec.ahead.true_top && t->ndensity > 0 && t->spec.first > 0 &&
            known_above(t, m->i) < TEAM_SURE;
+}
+
+void
+member_set_line(struct member *m, int i)
+{
+    m->i = i;
+    m->row0 = team_line_row(&m->q, i);
+    m->row = m->q.y0 + rad_quincunx_base_row(&m->q, i);
+    m->ahead = rad_quincunx_ngaps(&m->q, i);
+    m->unsure = member_is_unsure(m);
+    m->mine[PART_BASE] = m->mine[PART_BAR] = 0;
 }
 
 void

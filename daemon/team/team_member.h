@@ -11,10 +11,10 @@ struct member {
     struct rad_ctx *ctx;
     struct rad_quincunx q;
     int i;                              /* its line */
-    _Atomic(struct rad_facts *) *facts; /* of the line; NULL: it has none */
     int row0;                           /* first row of the line */
     bool truth;  /* pixels traced now are wanted by the true sampler */
     bool early;  /* pixels traced now count when the line comes to them */
+    bool helps;  /* the line is another member's */
     int row;     /* of the line's base line, in the picture */
     int ahead;   /* the first gap that was traced before the member slept */
     bool unsure; /* member_is_unsure() of the line */
@@ -24,14 +24,6 @@ struct member {
     uint64_t primary;     /* pixels wanted by the true sampler */
     uint64_t looked;      /* traced when rays were last compared with told */
 };
-
-/* The facts of the member's line; NULL: it has none. */
-static inline struct rad_facts *
-facts_of(const struct member *m)
-{
-    return m->facts ? atomic_load_explicit(m->facts, memory_order_acquire)
-                    : NULL;
-}
 
 static inline const uint8_t *
 density_above(const struct member *m)
@@ -47,6 +39,8 @@ density_above(const struct member *m)
 
 /* A member of the team, without a line yet. */
 void member_init(struct member *m, struct team *t, struct rad_ctx *ctx);
+/* Set the member to work on line i. */
+void member_set_line(struct member *m, int i);
 /* Wait until `need` densities of the line above are final (ndensity + 1: and it
  * is painted); false: the team is stopped. */
 bool member_wait(const struct member *m, size_t need);
@@ -73,12 +67,27 @@ bool member_bar_is_certain(const struct team *t, int i,
 
 /* --- team_sweep.c --- */
 
-/* Claim block b for the member; false: it is lent. */
+/* Claim block b for the member; false: it is lent, or a helper has it. */
 bool sweep_claim(struct member *m, enum part part, int b);
 /* Trace the member's base line ahead; false: the team is stopped. */
 bool sweep_line(struct member *m);
 /* Trace these blocks of the member's bar ahead; false: the team is stopped. */
 bool sweep_bar(struct member *m, struct rad_pixel *const rows[],
                uint64_t blocks);
+/* Trace block b of the member's base line into line[], or into facts alone
+ * (NULL); or of its bar. */
+void sweep_base_block(struct member *m, int b, struct rad_pixel *line);
+void sweep_bar_block(struct member *m, struct rad_pixel *const rows[], int b);
+
+/* --- team_help.c --- */
+
+/* Trace a block of a line that another member is at; false: there is none. */
+bool help_with_block(struct member *m);
+/* Claim block b for the member, or wait until a helper has done it; false: it
+ * is lent, or the team is stopped. */
+bool help_claim(struct member *m, enum part part, int b);
+/* Wait until helpers have done the blocks of the member's base line that they
+ * took, and put these into the line; false: the team is stopped. */
+bool help_await_base(struct member *m);
 
 #endif

@@ -50,6 +50,10 @@ typedef void team_look_fn(void *arg, struct rad_ctx *ctx, int first, int n,
 /* The unit's bottom is complete; called once, at once, by a member. */
 typedef void team_bottom_fn(void *arg);
 
+/* A base line is complete, so there may be blocks for threads that have nothing
+ * to do (team_open()). */
+typedef void team_help_fn(void *arg);
+
 /* The number of rays that were traced with a context so far. */
 typedef uint64_t team_count_fn(void *arg, const struct rad_ctx *ctx);
 
@@ -128,6 +132,7 @@ struct team_spec {
     team_trace_fn *trace;
     team_paint_fn *paint;   /* NULL: nothing is painted */
     team_bottom_fn *bottom; /* or NULL */
+    team_help_fn *help;     /* or NULL */
     team_count_fn *count;   /* NULL: traced pixels are counted as rays */
     void *arg;              /* of all callbacks */
     int nthreads;           /* most members at once */

@@ -45,7 +45,7 @@ static bool
 is_taken(struct sweep *s, int b)
 {
     int x = b * s->columns, left = s->m->q.width - x;
-    const struct rad_facts *f = facts_of(s->m);
+    const struct rad_facts *f = team_facts(s->m->team, s->m->i);
 
     return s->done >> b & 1 ||
            rad_facts_met(f, s->row, s->rows, x,
@@ -99,55 +99,67 @@ sweep_claim(struct member *m, enum part part, int b)
     return true;
 }
 
+void
+sweep_base_block(struct member *m, int b, struct rad_pixel *line)
+{
+    struct rad_pixel own[RAD_QUINCUNX_MAX_XSTEP + 1];
+    const struct rad_quincunx *q = &m->q;
+    struct team *t = m->team;
+    int columns = team_block_columns(q), end = (b + 1) * columns;
+    int ngaps = rad_quincunx_ngaps(q, m->i);
+    bool truth = m->truth;
+
+    m->truth = false;
+    for (int g = b * columns / q->xstep; g < ngaps; g++) {
+        int x = rad_quincunx_gap_begin(q, m->i, g);
+
+        if (x >= end || is_stopped(t))
+            break;
+        if (x >= b * columns)
+            rad_quincunx_gap(q, m->i, g, density_above(m),
+                             line ? line + x : own);
+        member_tell_rays(m);
+    }
+    m->truth = truth;
+}
+
+void
+sweep_bar_block(struct member *m, struct rad_pixel *const rows[], int b)
+{
+    int columns = team_block_columns(&m->q), end = (b + 1) * columns;
+    struct rad_quincunx_fill fill = { b * columns, 0 };
+    bool truth = m->truth;
+
+    m->truth = false;
+    member_fill(m, rows, &fill, end < m->q.width ? end : m->q.width);
+    m->truth = truth;
+}
+
 bool
 sweep_line(struct member *m)
 {
-    const struct rad_quincunx *q = &m->q;
-    struct team *t = m->team;
-    int ngaps = rad_quincunx_ngaps(q, m->i), b;
-    bool truth = m->truth;
     struct sweep s;
+    int b;
 
-    if (!member_wait(m, t->ndensity))
+    if (!member_wait(m, m->team->ndensity))
         return false;
-    m->truth = false;
     start_sweep(&s, m, PART_BASE);
-    while ((b = next_block(&s)) >= 0) {
-        int end = (b + 1) * s.columns;
-
-        for (int g = b * s.columns / q->xstep; g < ngaps; g++) {
-            int x = rad_quincunx_gap_begin(q, m->i, g);
-
-            if (x >= end || is_stopped(t))
-                break;
-            if (x >= b * s.columns)
-                rad_quincunx_gap(q, m->i, g, density_above(m),
-                                 line_at(t, m->i)->sampled);
-            member_tell_rays(m);
-        }
-    }
-    m->truth = truth;
-    return !is_stopped(t);
+    while ((b = next_block(&s)) >= 0)
+        sweep_base_block(m, b, line_at(m->team, m->i)->sampled);
+    return !is_stopped(m->team);
 }
 
 bool
 sweep_bar(struct member *m, struct rad_pixel *const rows[], uint64_t blocks)
 {
-    bool truth = m->truth;
     struct sweep s;
     int b;
 
     if (team_line_rows(&m->q, m->i) == 1)
         return true;
-    m->truth = false;
     start_sweep(&s, m, PART_BAR);
     s.done |= ~blocks;
-    while ((b = next_block(&s)) >= 0) {
-        struct rad_quincunx_fill fill = { b * s.columns, 0 };
-        int end = fill.x + s.columns;
-
-        member_fill(m, rows, &fill, end < m->q.width ? end : m->q.width);
-    }
-    m->truth = truth;
+    while ((b = next_block(&s)) >= 0)
+        sweep_bar_block(m, rows, b);
     return !is_stopped(m->team);
 }

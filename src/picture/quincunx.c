@@ -463,10 +463,10 @@ rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
 
     if (above)
         density = above[g] > above[g + 1] ? above[g] : above[g + 1];
-    trace(q, x, y, &pixels[x]);
-    trace(q, x + len, y, &pixels[x + len]);
+    trace(q, x, y, &pixels[0]);
+    trace(q, x + len, y, &pixels[len]);
     if (len > 1)
-        fill_whole(&gap, pixels + x, x, y, len, density / 2);
+        fill_whole(&gap, pixels, x, y, len, density / 2);
 }
 
 /* Fill calm columns of a bar whose base lines are three rows apart, the most

@@ -102,9 +102,10 @@ bool rad_quincunx_line_step(struct rad_quincunx_line *s);
 
 /* Gaps of a base line in any order, to trace ahead.  What is traced in a gap
  * depends on the densities above it and on no other gap of the line.
- * rad_quincunx_gap() fills gap g and traces both its ends; without densities
- * (above is NULL) it traces only what the ends require.  Gap g lasts from
- * column rad_quincunx_gap_begin(q, i, g) to the begin of gap g + 1. */
+ * rad_quincunx_gap() fills gap g and traces both its ends, into pixels[0] and
+ * on, xstep + 1 at most; without densities (above is NULL) it traces only what
+ * the ends require.  Gap g lasts from column rad_quincunx_gap_begin(q, i, g) to
+ * the begin of gap g + 1. */
 int rad_quincunx_ngaps(const struct rad_quincunx *q, int i);
 int rad_quincunx_gap_begin(const struct rad_quincunx *q, int i, int g);
 void rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,

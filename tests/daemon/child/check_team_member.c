@@ -4,6 +4,7 @@
 
 #include "team_fixture.h"
 
+#include <sched.h>
 #include <stdio.h>
 #include <time.h>
 #include <unistd.h>
@@ -60,6 +61,98 @@ LOOP_TEST(a_team_tells_what_it_has_gone_over, N_ELEM(makes))
     ck_assert_uint_eq(made.bars, makes[_i].bars ? (height - lines) * width : 0);
     ck_assert_uint_eq(made.out, makes[_i].out ? height * width : 0);
     team_free(t);
+    world_free(w);
+}
+
+/* Two threads at one line: no pixel of its bar is traced before both wait for
+ * one, or after ten seconds. */
+struct meeting {
+    struct world *w;
+    pthread_mutex_t mu;
+    pthread_cond_t met;
+    pthread_t first;
+    int threads;
+    _Atomic bool over;
+};
+
+static bool
+trace_when_met(void *arg, struct rad_ctx *ctx, int x, int y,
+               struct rad_pixel *out)
+{
+    struct meeting *m = arg;
+    struct timespec until;
+
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += 10;
+    pthread_mutex_lock(&m->mu);
+    if (!is_base_line(m->w, y) &&
+        (m->threads == 0 ||
+         (m->threads == 1 && !pthread_equal(m->first, pthread_self())))) {
+        m->first = pthread_self();
+        m->threads++;
+        pthread_cond_broadcast(&m->met);
+    }
+    while (m->threads == 1 &&
+           pthread_cond_timedwait(&m->met, &m->mu, &until) == 0)
+        ;
+    pthread_mutex_unlock(&m->mu);
+    return trace(m->w, ctx, x, y, out);
+}
+
+static void
+hand_on_met(void *arg, int row, const struct rad_pixel *pixels)
+{
+    hand_on(((struct meeting *)arg)->w, row, pixels);
+}
+
+static void *
+be_helper(void *arg)
+{
+    struct meeting *m = arg;
+
+    while (!m->over)
+        if (team_helps(m->w->team))
+            team_work(m->w->team, NULL);
+        else
+            sched_yield();
+    return NULL;
+}
+
+/* The line has facts, or none. */
+LOOP_TEST(a_thread_without_a_line_helps_with_that_of_another, 2)
+{
+    struct analytic a = { ANALYTIC_NOISE, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    struct meeting m = { .w = w,
+                         .mu = PTHREAD_MUTEX_INITIALIZER,
+                         .met = PTHREAD_COND_INITIALIZER };
+    int line = 6, row = team_line_row(&w->q, line);
+    struct pass p = true_pass(w, TEAM_TRUTH, line, line + 1);
+    struct team_spec spec;
+    pthread_t helper;
+
+    render_alone(w);
+    if (_i)
+        w->facts[line] = NULL;
+    spec = spec_of(w, &p);
+    spec.trace = trace_when_met;
+    spec.paint = NULL;
+    spec.truth.rows = hand_on_met;
+    spec.arg = &m;
+    w->handed[row - 1] = 1;
+    w->team = team_new(&spec);
+    ck_assert_int_eq(pthread_create(&helper, NULL, be_helper, &m), 0);
+    team_work(w->team, NULL);
+    m.over = true;
+    ck_assert_int_eq(pthread_join(helper, NULL), 0);
+    ck_assert_int_eq(m.threads, 2);
+    ck_assert(team_done(w->team));
+    for (int y = row; y < row + team_line_rows(&w->q, line); y++)
+        ck_assert_mem_eq(w->pixels[y], w->want[y], sizeof w->pixels[y]);
+    /* two blocks share a pixel of the base line, which both may trace */
+    ck_assert_uint_ge(team_rays(w->team), team_primary(w->team));
+    ck_assert_uint_le(team_rays(w->team), team_primary(w->team) + 64);
+    team_free(w->team);
     world_free(w);
 }
 
