@@ -51,16 +51,6 @@ attempt_rate(const struct coord *c, struct coord_worker *w)
     }
 }
 
-/* The number of lines that the attempt has: the unit's, or 1 for a loan. */
-static uint32_t
-lines_of(const struct job *job, const struct job_go *go)
-{
-    uint32_t first, last;
-
-    partition_unit_lines(job->partition, go->unit, &first, &last);
-    return go->origin == GO_LOAN ? 1 : last - first;
-}
-
 /* Count the worker's threads for the job's payer while it has attempts in
  * flight of the job, makes its tiles, or estimates its areas. */
 static void
@@ -104,8 +94,6 @@ more_in_flight(struct job *job, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
-    go->lines = lines_of(job, go);
-    jw->lines += go->lines;
     jw->in_flight++;
     count_threads(job, jw);
     attempt_fill(jw->worker, NULL);
@@ -115,10 +103,8 @@ more_in_flight(struct job *job, struct job_go *go)
 }
 
 static void
-less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
-               const struct job_go *go)
+less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw)
 {
-    jw->lines -= go->lines;
     jw->in_flight--;
     count_threads(job, jw);
     jw->worker->in_flight--;
@@ -147,25 +133,13 @@ attempt_step(struct coord *c, struct job *job, struct job_go *go,
     jw->worker->parked += waits - waited;
     jw->worker->delivered += (to == GO_DELIVERED) - (from == GO_DELIVERED);
     if (from == GO_WORKING)
-        less_in_flight(c, job, jw, go);
+        less_in_flight(c, job, jw);
     if (to == GO_WORKING)
         more_in_flight(job, go);
     else
         c->stirred = true;
     if (waits)
         go->parked_ms = c->now_ms;
-}
-
-void
-attempt_shrunk(struct job *job, struct job_go *go)
-{
-    struct job_worker *jw = &job->workers[go->worker];
-
-    if (!go_works(go))
-        return;
-    jw->lines -= go->lines;
-    go->lines = lines_of(job, go);
-    jw->lines += go->lines;
 }
 
 struct job_go *
@@ -266,7 +240,6 @@ attempt_shrink(struct coord *c, struct job *job, struct job_go *go,
         return false;
     if (!unit_grow(job))
         c->actions.failed = true;
-    attempt_shrunk(job, go);
     desk_keep_unit(c, job, go->unit);
     desk_keep_unit(c, job, given);
     return true;

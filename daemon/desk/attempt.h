@@ -24,8 +24,6 @@ void attempt_fill(struct coord_worker *w, struct job *job);
 /* The worker estimates this chunk of the job's areas from now on, counted from
  * 1; 0: none.  Its threads count as those of a worker that makes tiles do. */
 void attempt_survey(struct job *job, uint32_t index, uint32_t chunk);
-/* Count the attempt's lines again: the unit was cut. */
-void attempt_shrunk(struct job *job, struct job_go *go);
 /* Cut a unit after `height` rows, which are all that the attempt will do: the
  * rest becomes a new unit.  False: no line ends after so many rows, or more
  * rows have come. */

@@ -186,38 +186,6 @@ speed_left_ms(const struct coord *c, const struct job *job,
     return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
 }
 
-/* How many lines of the attempt are not done, at least one. */
-static uint32_t
-lines_left(const struct coord *c, const struct job *job,
-           const struct job_go *go)
-{
-    const struct job_worker *jw = &job->workers[go->worker];
-    double ms = partition_cost(job->partition, go->unit) * jw->in_flight /
-                speed_cost(job, go->worker, 1);
-    double left = go->lines * speed_left_ms(c, job, go) / ms;
-
-    return left < go->lines ? (uint32_t)ceil(left) : go->lines;
-}
-
-uint32_t
-speed_spare(const struct coord *c, const struct job *job, uint32_t index)
-{
-    const struct job_worker *jw = &job->workers[index];
-    uint32_t busy = 0;
-
-    if (jw->lines < jw->threads)
-        return jw->threads - jw->lines;
-    if (jw->threads == 1 || job->speed.pace <= 0)
-        return 0;
-    for (uint32_t i = 0; i < job->nout; i++) {
-        const struct job_go *go = go_of_worker(job, job->out[i], index);
-
-        if (go && go_works(go))
-            busy += lines_left(c, job, go);
-    }
-    return busy < jw->threads ? jw->threads - busy : 0;
-}
-
 /* Workers that load or are ready have shares by their speeds.  Drained, leaving
  * and late workers have shares only if there are no other workers. */
 void

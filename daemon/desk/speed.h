@@ -25,10 +25,6 @@ uint32_t speed_median_ms(const struct job *job);
 /* How long an attempt will still need [ms]. */
 double speed_left_ms(const struct coord *c, const struct job *job,
                      const struct job_go *go);
-/* How many of the worker's threads have no line of the job to begin, as far as
- * the coordinator can tell.  Attempts of other jobs are not looked at. */
-uint32_t speed_spare(const struct coord *c, const struct job *job,
-                     uint32_t index);
 /* All costs are known: set the workers' shares of a static partition, so that
  * units may go out. */
 void speed_share(struct coord *c, struct job *job);

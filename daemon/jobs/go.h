@@ -72,7 +72,6 @@ struct job_go {
     enum go_state state; /* changed by go_step() alone */
     enum go_origin origin;
     enum go_rows rows;
-    uint32_t lines;     /* lines of the unit that the attempt has */
     uint8_t end;        /* where on a line tracing begins, enum msg_end */
     bool twin;          /* the worker was told that others have the unit */
     bool counted;       /* the unit's cost is in job.speed.finished (speed.c) */

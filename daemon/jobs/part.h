@@ -45,7 +45,6 @@ struct job_worker {
     /* the worker's attempts (attempt.c) */
     uint32_t in_flight;       /* attempts that are GO_WORKING */
     uint32_t counted_threads; /* its threads, as counted for the job's payer */
-    uint32_t lines;           /* lines of the attempts in flight */
     uint32_t parked;          /* attempts that wait (go_waits()) */
 
     /* speed.c */

@@ -285,7 +285,6 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
     to->origin = GO_LOAN;
     to->rows = GO_DROPPED;
     to->lending.lender = root;
-    attempt_shrunk(job, to);
     to->lending.x = m->x;
     to->lending.n = m->n;
     note_left(c, to, m->given);

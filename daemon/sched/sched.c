@@ -43,11 +43,6 @@
 #define PASSED_MS  1000
 #define MOST_TIMES 6
 
-/* A worker gets another unit of lines when one in so many of its threads has
- * no line left to begin.  Not as soon as one thread has: simulated, 8 hosts of
- * 8 threads lost 2 %, for small units wait for each other at the end. */
-#define IDLE_PART 4
-
 /* --- handing out --- */
 
 /* Do so many units wait that, by its share of all speed, the worker would get
@@ -61,25 +56,21 @@ has_plenty(const struct job *job, uint32_t index, uint32_t threads)
 }
 
 /* Has the worker room for another unit?  Windows: one for each thread, and half
- * as many at hand while many wait.  Lines: another unit when a quarter of
- * the threads has no line left to begin; none of another job beside them, and
- * none at hand, for other workers could not share these.
+ * as many at hand while many wait.  Lines: one, which all threads share to its
+ * last block of columns (team_help.c), and none at hand, for other workers
+ * could not share it.
  * Single lines (scanbar): one for each thread, and one at hand, so that no
  * thread waits for the coordinator when a line is done or parked. */
 static bool
-has_room(const struct coord *c, const struct job *job,
-         const struct coord_worker *w, uint32_t index)
+has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
 {
     uint32_t n = w->threads;
     bool few = job_waiting(job) <= job->speed.threads;
 
     if (!partition_is_strict(job->partition))
         return w->in_flight < (few ? n : n + (n + 1) / 2);
-    if (w->in_flight == 0)
-        return true;
     if (partition_kind(job->partition) != MSG_PART_SCANBAR)
-        return w->in_flight == job->workers[index].in_flight &&
-               IDLE_PART * speed_spare(c, job, index) >= n;
+        return w->in_flight == 0;
     return w->in_flight < n + has_plenty(job, index, n);
 }
 
@@ -174,7 +165,7 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
     if (find_suspect(c, job, index, &unit)) {
         unit_take(job, unit);
         w->alone = true;
-    } else if (!has_room(c, job, w, index) ||
+    } else if (!has_room(job, w, index) ||
                !next_unit(c, job, w, index, &unit)) {
         return false;
     }
@@ -226,7 +217,7 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
     }
     if (give_unit(c, job, w, index))
         return true;
-    if (job->late > 0 && has_room(c, job, w, index) &&
+    if (job->late > 0 && has_room(job, w, index) &&
         !runs_empty(c, job, w, index) && balance_give_twin(c, job, index))
         return true;
     *done = runs_empty(c, job, w, index);

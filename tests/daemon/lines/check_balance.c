@@ -125,12 +125,12 @@ TEST(static_weighs_workers_by_what_earlier_jobs_showed)
     (void)b;
 }
 
-/* Threads that find no line to begin would else wait for those at the unit's
- * last lines. */
-TEST(a_worker_whose_threads_run_out_of_lines_gets_another_unit)
+/* All threads of a worker share its unit to the end; small units beside it
+ * would wait for each other's base lines. */
+TEST(a_worker_of_many_threads_has_one_unit_of_lines)
 {
     struct msg_unit u;
-    uint32_t half, most;
+    uint32_t most;
 
     f.threads = 4;
     f.tall = true;
@@ -138,15 +138,13 @@ TEST(a_worker_whose_threads_run_out_of_lines_gets_another_unit)
     submit(MSG_PART_AUTO, 0, "uniform", 1);
     ready(W3);
     u = *unit_of(W3);
-    half = u.height / 2;
-    most = u.height - 2 * BAR;
-    ck_assert_uint_ge(half, 5 * BAR);
+    most = u.height - BAR;
+    ck_assert_uint_ge(most, 5 * BAR);
     wait_ms(1000);
-    result(W3, &u, 0, half, false);
+    result(W3, &u, 0, most, false);
     wait_ms(100);
     ck_assert_int_eq(count(W3, MSG_UNIT), 1);
-    wait_ms(900);
-    result(W3, &u, half, most - half, false);
+    result(W3, &u, most, BAR, true);
     wait_ms(100);
     ck_assert_int_eq(count(W3, MSG_UNIT), 2);
 }
