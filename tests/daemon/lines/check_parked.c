@@ -127,11 +127,11 @@ TEST(a_parked_unit_is_work_again_when_its_top_is_there)
     w = &job->workers[part_find(job, "ws2")];
     b = *unit_of(W2);
     attempt(W2, MSG_PARKED, &b);
-    ck_assert(w->parked == 1 && w->in_flight == 0 && w->lines == 0);
+    ck_assert(w->parked == 1 && w->in_flight == 0);
     base_line(W1, 0, line_above(b.y));
-    ck_assert(w->parked == 0 && w->in_flight == 1 && w->lines > 0);
+    ck_assert(w->parked == 0 && w->in_flight == 1);
     finish(W2, &b);
-    ck_assert(w->parked == 0 && w->in_flight == 0 && w->lines == 0);
+    ck_assert(w->parked == 0 && w->in_flight == 0);
 }
 
 TEST(while_its_rows_go_to_the_disk_a_worker_has_other_work)
