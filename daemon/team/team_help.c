@@ -16,6 +16,11 @@
 
 #include "base/bits.h"
 
+/* Base lines are helped with if a block has so many gaps.  Blocks side by side
+ * share a pixel, which two threads that begin them together would trace twice.
+ */
+#define LEAST_GAPS 4
+
 /* A block for a helper. */
 struct help {
     int i; /* the line */
@@ -42,7 +47,9 @@ part_of(const struct team *t, int i, enum part *part)
         return above > t->ndensity && has_bar(t, i);
     }
     *part = PART_BASE;
-    return above >= t->ndensity && t->spec.facts && t->spec.facts[i];
+    return above >= t->ndensity && t->spec.facts && t->spec.facts[i] &&
+           team_block_columns(&t->spec.sampler) >=
+               LEAST_GAPS * t->spec.sampler.xstep;
 }
 
 /* The end of the columns whose blocks the line's member will claim: in the last
