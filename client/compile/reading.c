@@ -317,18 +317,21 @@ static int
 read_made_octree(struct reading *r, struct source *src, const char *text,
                  bool alone, struct rad_error *err)
 {
-    struct rad_stream in = { read_source, src };
+    struct rad_stream in = { read_source, src }, rest = rest_of(src);
     struct rad_error now = { 0 };
     int rc, end;
 
     r->octree = true;
     rc = read_octree(r, &in, text, alone, err);
-    while (rc == 0 && in.read(in.arg, src->head, sizeof src->head, NULL) > 0)
+    while (rc == 0 &&
+           rest.read(rest.arg, src->head, sizeof src->head, NULL) > 0)
         ;
     end = command_end(src->command, rc != 0, &now);
     return rc ? rc : end ? fail_whole(r, &now, err) : 0;
 }
 
+/* Read the text that a command writes.  The parser is given the command's first
+ * line: the shell has all of them. */
 static int
 read_made_text(struct reading *r, struct source *src, const char *text,
                struct rad_error *err)
@@ -338,8 +341,8 @@ read_made_text(struct reading *r, struct source *src, const char *text,
 
     io.warn = warn_of_command;
     r->begun = src;
-    rc =
-        rad_parse_text(r->c->scene, text, strlen(text), COMMAND_LINE, &io, err);
+    rc = rad_parse_text(r->c->scene, text, strcspn(text, "\n"), COMMAND_LINE,
+                        &io, err);
     if (r->begun) /* the parser did not come to it */
         command_end(src->command, true, NULL);
     r->begun = NULL;
