@@ -99,6 +99,10 @@ for from in 'rtrace -h- box.oct <none' 'rtrace -h- box.oct <blank' \
 done
 status 0 ': | rtrace box.oct'
 grep -q '^FORMAT=ascii' out || fail "no header: $(cat out)"
+# floats of zeros are rays, though without a direction
+head -c 48 /dev/zero >zeros
+status 0 'rtrace -h- -ff box.oct <zeros'
+[ "$(wc -c <out)" -eq 24 ] || fail "$(wc -c <out) bytes for two rays of zeros"
 status 2 'rtrace nothing.oct <none'
 
 # what is refused says so, with rtrace's statuses
