@@ -216,7 +216,7 @@ program_run_job(struct program *p)
 static void
 say_of_former_values(const struct submit_options *o)
 {
-    if (o->reuse || (o->ambient && access(o->ambient, R_OK) == 0))
+    if (o->ambient && access(o->ambient, R_OK) == 0)
         puts("reuse    without the ambient values that the job begins with");
 }
 
