@@ -58,8 +58,8 @@ struct rad_error_estimate {
 /* The largest relative error that is told: nothing of the picture is right. */
 #define RAD_DOUBT_MOST 1e6
 
-/* The square of an error, or an estimate of it, as it is told: NaN and negative
- * numbers become 0, large numbers are cut. */
+/* A sum or an estimate, such as the square of an error, as a number to reckon
+ * with: NaN and negative numbers become 0, large numbers are cut. */
 static inline double
 rad_doubt_sound(double square)
 {
