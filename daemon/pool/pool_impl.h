@@ -85,6 +85,7 @@ struct pool {
     struct queued *todo;                      /* [mu] windows */
     struct queued **todo_end;                 /* [mu] */
     struct active *active;                    /* [mu] */
+    int beginning; /* [mu] threads that took units which are not there yet */
     struct estimating *estimates, *estimated; /* [mu] under way; done */
     struct pool_tiling tiling;
     struct pool_rows *done;      /* [mu] rows for the loop */

@@ -89,6 +89,7 @@ find_locked(struct pool *p, struct work *w)
         return false;
     if (w->help)
         w->help->members++;
+    p->beginning += w->window || w->pass;
     return true;
 }
 

@@ -341,7 +341,7 @@ find_frozen_locked(struct pool *p, struct pool_tile_work *w)
     struct pool_tiling *k = &p->tiling;
     struct pool_frozen *f = k->frozen;
 
-    if (!f || p->active || pool_is_estimating_locked(p))
+    if (!f || p->active || p->beginning > 0 || pool_is_estimating_locked(p))
         return false;
     f->rest = !at_tiles_locked(k);
     k->alone = needs_rest_locked(p, f);

@@ -371,10 +371,10 @@ fail_begin(struct pool *p, const struct pool_unit *unit,
 
     rad_fail_memory(&err);
     send_failure(p, unit, &err);
-    if (!pass)
-        return;
     uv_mutex_lock(&p->mu);
-    strict_ended(p->strict, pass, false, &no_bottom, &none, NULL);
+    p->beginning--;
+    if (pass)
+        strict_ended(p->strict, pass, false, &no_bottom, &none, NULL);
     uv_mutex_unlock(&p->mu);
 }
 
@@ -393,6 +393,7 @@ pool_unit_begin(struct pool *p, struct queued *window, struct strict_pass *pass)
     uv_mutex_lock(&p->mu);
     u->next = p->active;
     p->active = u;
+    p->beginning--;
     if (atomic_load(&p->stopping))
         team_stop(u->team);
     if (u->pass) {

@@ -220,6 +220,20 @@ TEST(a_pass_goes_in_beside_tiles_of_others)
     free_tiling_pool(p);
 }
 
+/* A unit that a thread has taken reads the cache as soon as it begins. */
+TEST(a_pass_waits_for_a_unit_that_begins)
+{
+    struct rad_pass plan[8];
+    struct pool *p = tiling_pool(plan);
+
+    p->beginning = 1;
+    ck_assert(pool_freeze(p, NULL, 0, NULL));
+    find_none(p);
+    p->beginning = 0;
+    end_frozen(p, find_frozen(p));
+    free_tiling_pool(p);
+}
+
 /* Ends of paths, and what pixels see, are changed while no thread is at a tile.
  */
 LOOP_TEST(some_passes_wait_for_all_tiles, 2)
