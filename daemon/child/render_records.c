@@ -99,7 +99,8 @@ render_take_ambient(struct render *r, const struct msg_ambient *a)
     struct wire_in in;
     size_t n = 0;
 
-    if (!r->job || !r->job->ambient)
+    /* a cache in passes changes by FROZEN alone: threads read it meanwhile */
+    if (!r->job || !r->job->ambient || rad_ambient_is_frozen(r->job->ambient))
         return;
     wire_in_init(&in, a->data, a->len);
     for (uint32_t i = 0; i < a->count && !in.bad; i++) {

@@ -7,6 +7,7 @@
 #include "base/files.h"
 #include "base/output.h"
 #include "base/sha.h"
+#include "proto/ambshare.h"
 #include "proto/frame.h"
 #include "scene/file/bundle.h"
 #include "scene/file/parse.h"
@@ -288,6 +289,30 @@ TEST(a_unit_comes_back_whole)
     end.job_end.job = job;
     say(&end);
     ck_assert_uint_eq(hear_of(MSG_TALLY)->tally.pixels_under_way, 0);
+}
+
+/* A peer has no say in a cache that is made in passes. */
+LOOP_TEST(records_of_peers_are_for_live_caches, 2)
+{
+    struct rad_ambrec rec = { .p = { 0, 0, 1 },
+                              .n = { 0, 0, 1 },
+                              .u = { 1, 0, 0 },
+                              .radius = { .5f, .5f },
+                              .E = { 1, 1, 1 },
+                              .weight = 1 };
+    struct msg m = { .type = MSG_AMBIENT },
+               end = { .type = MSG_JOB_END, .job_end.job = job };
+    struct wire_out out;
+
+    begin("-x 64 -y 64 -ab 1 -aa .2", MSG_PART_WINDOW,
+          _i == 0 ? 0 : MSG_JOB_PASSES, 1);
+    wire_out_init(&out, AMBSHARE_BYTES);
+    ambshare_pack(&out, &rec);
+    m.ambient = (struct msg_ambient){ 1, out.buf, out.len };
+    say(&m);
+    say(&end);
+    ck_assert_uint_eq(hear_of(MSG_TALLY)->tally.cache_values, _i == 0);
+    wire_out_release(&out);
 }
 
 /* With --fresh-frames the first message of a frame loads the job again. */
