@@ -82,6 +82,44 @@ check_reads(const struct rad_pass *k, uint32_t i)
     ck_assert(!is_next_part(k) || k->reads < i);
 }
 
+/* May tiles of pass i be made beside those of pass `beside`, before it? */
+static bool
+go_together(const struct rad_pass *pass, uint32_t n, uint32_t beside,
+            uint32_t i)
+{
+    const struct rad_pass *a = &pass[beside], *b = &pass[i];
+
+    if (b->level == 0) /* records are smoothed between them, or not yet */
+        return !rad_pass_is_last(pass, n, beside);
+    /* the ends of a round are dropped for those of the next but one */
+    return a->level == 0 || a->round != b->round ||
+           (a->level == b->level && a->first == b->first && a->end == b->end);
+}
+
+/* In a job of several batches. */
+LOOP_TEST(a_pass_goes_without_nothing_that_threads_share, 4)
+{
+    enum { FRAMES = 80 };
+    struct rad_pass_size size[FRAMES];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t n, without = 0;
+    struct rad_params par;
+
+    ck_assert_int_eq(
+        jobtext_params(_i & 1 ? "-ab 4 -aa .2" : "-ab 1 -aa .2", &par, NULL),
+        0);
+    for (int i = 0; i < FRAMES; i++)
+        size[i] = _i & 2 ? (struct rad_pass_size){ 3840, 2160 }
+                         : (struct rad_pass_size){ 640, 480 };
+    n = rad_passes_plan(&par, size, FRAMES, pass);
+    for (uint32_t i = 0; i < n; i++) {
+        ck_assert_uint_lt(i - pass[i].reads, RAD_PASS_PARTS);
+        for (uint32_t k = pass[i].reads; k < i; k++, without++)
+            ck_assert(go_together(pass, n, k, i));
+    }
+    ck_assert((without > 0) == (_i > 0));
+}
+
 /* Each path once, each pixel of the last lattice once, and every second one
  * along both axes once more for what tiles left out. */
 LOOP_TEST(a_plan_asks_for_each_place_once, N_ELEM(plans))
