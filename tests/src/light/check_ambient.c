@@ -638,6 +638,34 @@ TEST(surroundings_leave_bright_places_apart)
     ck_assert_uint_eq(rad_ambient_view(w.job->ambient, 1)->bright.n, 2);
 }
 
+/* A view's records, bright places and sums stay; those of a settling without
+ * records are the same. */
+TEST(a_view_is_what_its_records_told)
+{
+    static const size_t records[] = { 0, 1, 1, 2 };
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    rad_ambient_freeze(w.job->ambient);
+    for (int i = 1; i < 4; i++) {
+        struct rad_ambrec rec = record(.5 * i - 1, 0, -.5, (float)i, 0);
+
+        rec.glint.p[i % 3] = .9f;
+        rec.glint.lum = 9;
+        ck_assert(i == 2 || rad_ambient_insert(w.job->ambient, &rec));
+        ck_assert(rad_ambient_settle(w.job->ambient));
+    }
+    for (uint32_t i = 0; i < 4; i++) {
+        const struct rad_ambview *v = rad_ambient_view(w.job->ambient, i);
+
+        ck_assert_uint_eq(v->n, records[i]);
+        ck_assert_uint_eq(v->bright.n, records[i]);
+        ck_assert_int_eq(v->log_count, (int64_t)records[i]);
+    }
+    ck_assert_int_ne(rad_ambient_view(w.job->ambient, 1)->log_sum, 0);
+    ck_assert_int_eq(rad_ambient_view(w.job->ambient, 2)->log_sum,
+                     rad_ambient_view(w.job->ambient, 1)->log_sum);
+}
+
 TEST(interpolation_is_close_to_sampling)
 {
     struct world cached = { 0 }, sampled = { 0 };
