@@ -8,18 +8,17 @@
  *   - a base line by the densities above it, all of which are there;
  *   - a bar by the two base lines.  What the column left of a block would add
  *     is left to the line's member.
- * A line without facts (spec.facts) gets some of its own for its bar.  Not for
- * its base line, of which its member may have traced pixels early. */
+ * No pixel is traced twice.  Where spec.facts has none of a line helpers put
+ * what they trace into facts of its own. */
 #include "config.h"
 
 #include "team/team_member.h"
 
 #include "base/bits.h"
 
-/* Base lines are helped with if a block has so many gaps.  Blocks side by side
- * share a pixel, which two threads that begin them together would trace twice.
- */
-#define LEAST_GAPS 4
+/* Base lines are helped with if a block has so many gaps, the last of which is
+ * left to the line's member. */
+#define LEAST_GAPS 3
 
 /* A block for a helper. */
 struct help {
@@ -47,7 +46,7 @@ part_of(const struct team *t, int i, enum part *part)
         return above > t->ndensity && has_bar(t, i);
     }
     *part = PART_BASE;
-    return above >= t->ndensity && t->spec.facts && t->spec.facts[i] &&
+    return above >= t->ndensity && !atomic_load(&line_at(t, i)->early_begun) &&
            team_block_columns(&t->spec.sampler) >=
                LEAST_GAPS * t->spec.sampler.xstep;
 }
@@ -107,12 +106,15 @@ find_locked(const struct team *t, struct help *h, uint64_t *blocks)
 static bool
 make_facts_locked(struct team *t, int i)
 {
-    if (!team_facts(t, i))
-        atomic_store_explicit(&line_at(t, i)->own,
-                              rad_facts_new(t->spec.sampler.width,
-                                            team_line_rows(&t->spec.sampler, i)),
-                              memory_order_release);
-    return team_facts(t, i);
+    struct line *l = line_at(t, i);
+
+    if (team_facts(t, i) || l->own)
+        return true;
+    atomic_store_explicit(&l->own,
+                          rad_facts_new(t->spec.sampler.width,
+                                        team_line_rows(&t->spec.sampler, i)),
+                          memory_order_release);
+    return l->own;
 }
 
 /* Take the rightmost of these blocks; false: its member was quicker, or memory

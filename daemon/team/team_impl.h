@@ -58,9 +58,12 @@ struct line {
     _Atomic uint64_t taken[NPART];
     /* [mu] Blocks that helpers took, and of these the ones that they did. */
     uint64_t helped[NPART], helped_done[NPART];
-    /* Facts for helpers where spec.facts has none of the line; made by the
-     * first helper, with mu held, and stay until the line's buffers get
-     * another line.  Stored (release) for team_facts(). */
+    /* Its member has traced pixels early.  So that none is traced twice,
+     * helpers leave such a base line alone. */
+    _Atomic bool early_begun;
+    /* What helpers traced while spec.facts had no facts of the line; made by
+     * the first of them, with mu held, and stays until the line's buffers get
+     * another line.  Stored (release) for recall(). */
     _Atomic(struct rad_facts *) own;
     uint64_t primary; /* [mu] valid with done; see team_primary() */
     bool done;        /* [mu] base line and bar are done */
@@ -132,12 +135,9 @@ is_wanted(const struct team_loan *loan, int x)
 static inline struct rad_facts *
 team_facts(const struct team *t, int i)
 {
-    struct rad_facts *f = NULL;
-
-    if (t->spec.facts)
-        f = atomic_load_explicit(&t->spec.facts[i], memory_order_acquire);
-    return f ? f
-             : atomic_load_explicit(&line_at(t, i)->own, memory_order_acquire);
+    return t->spec.facts
+               ? atomic_load_explicit(&t->spec.facts[i], memory_order_acquire)
+               : NULL;
 }
 
 /* Does this pass fill the bar of line i? */

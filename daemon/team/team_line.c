@@ -94,12 +94,18 @@ trace_early(struct member *m, const struct rad_quincunx_line *s, size_t need)
 {
     struct rad_pixel pixels[RAD_QUINCUNX_MAX_XSTEP + 1];
     struct team *t = m->team;
+    const struct line *above;
 
     if (!line_at(t, m->i)->known || m->i == t->spec.first || need == 0)
         return;
+    above = line_at(t, m->i - 1);
     m->early = true;
-    while (atomic_load(&line_at(t, m->i - 1)->ready) < need && !is_stopped(t)) {
+    while (atomic_load(&above->ready) < need && !is_stopped(t)) {
         if (m->ahead - 1 <= (int)s->gap)
+            break;
+        /* stores, then loads ready; part_of() loads ready, then this */
+        atomic_store(&line_at(t, m->i)->early_begun, true);
+        if (atomic_load(&above->ready) >= t->ndensity)
             break;
         rad_quincunx_gap(&m->q, m->i, --m->ahead, NULL, pixels);
         member_tell_rays(m);
@@ -139,16 +145,22 @@ leave_lent_blocks(struct member *m)
     return leave_blocked(m);
 }
 
-/* Is the gap of the base line for the member to fill?  Not if it is lent. */
+/* Is the gap of the base line for the member to fill?  Not if it is lent.  Its
+ * last pixel may be the first of the next block, which a helper may be at. */
 static bool
 claim_gap(struct member *m, size_t gap)
 {
-    int x;
+    int columns = team_block_columns(&m->q), b, next;
 
     if ((int)gap >= rad_quincunx_ngaps(&m->q, m->i))
         return true;
-    x = rad_quincunx_gap_begin(&m->q, m->i, (int)gap);
-    return help_claim(m, PART_BASE, x / team_block_columns(&m->q));
+    b = rad_quincunx_gap_begin(&m->q, m->i, (int)gap) / columns;
+    next = rad_quincunx_gap_begin(&m->q, m->i, (int)gap + 1) / columns;
+    if (!help_claim(m, PART_BASE, b))
+        return false;
+    if (next > b)
+        help_claim(m, PART_BASE, next);
+    return true;
 }
 
 /* The base line is complete. */

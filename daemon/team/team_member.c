@@ -62,12 +62,17 @@ trace_ahead(struct member *m, struct rad_facts *f, int x, int y,
         rad_facts_get(f, column, row, out);
 }
 
-/* Get a pixel that the member traced before it slept; false: it did not. */
+/* Get a pixel that the member traced before it slept, or a helper before there
+ * were facts (which may come at any time); false: none did. */
 static bool
 recall(const struct member *m, int x, int y, struct rad_pixel *out)
 {
     const struct line *l = line_at(m->team, m->i);
+    const struct rad_facts *own =
+        atomic_load_explicit(&l->own, memory_order_acquire);
 
+    if (own && rad_facts_get(own, x - m->q.x0, y - m->q.y0 - m->row0, out))
+        return true;
     if (m->helps || !l->known || y != m->row || !l->known[x - m->q.x0])
         return false;
     *out = l->early[x - m->q.x0];
@@ -91,6 +96,8 @@ trace(void *arg, int x, int y, struct rad_pixel *out)
 
     if (recall(m, x, y, out)) {
         m->primary += !m->early;
+    } else if (m->helps) {
+        trace_ahead(m, f ? f : line_at(m->team, m->i)->own, x, y, out);
     } else if (!f && m->early) {
         if (trace_new(m, x, y, out))
             remember(m, x - m->q.x0, out);

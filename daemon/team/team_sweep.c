@@ -99,6 +99,9 @@ sweep_claim(struct member *m, enum part part, int b)
     return true;
 }
 
+/* Trace block b of the member's base line into line[]; or, as a helper (NULL),
+ * into facts alone, but for a gap that ends in the next block: the pixel that
+ * both share is for whoever has that block. */
 void
 sweep_base_block(struct member *m, int b, struct rad_pixel *line)
 {
@@ -112,8 +115,10 @@ sweep_base_block(struct member *m, int b, struct rad_pixel *line)
     m->truth = false;
     for (int g = b * columns / q->xstep; g < ngaps; g++) {
         int x = rad_quincunx_gap_begin(q, m->i, g);
+        int next = rad_quincunx_gap_begin(q, m->i, g + 1);
 
-        if (x >= end || is_stopped(t))
+        if (x >= end || (!line && next >= end && g + 1 < ngaps) ||
+            is_stopped(t))
             break;
         if (x >= b * columns)
             rad_quincunx_gap(q, m->i, g, density_above(m),

@@ -64,95 +64,184 @@ LOOP_TEST(a_team_tells_what_it_has_gone_over, N_ELEM(makes))
     world_free(w);
 }
 
-/* Two threads at one line: no pixel of its bar is traced before both wait for
- * one, or after ten seconds. */
-struct meeting {
+/* Threads that help each other with one line, or two. */
+struct shared {
     struct world *w;
+    struct rad_facts *late; /* facts of the line that come when two have met */
     pthread_mutex_t mu;
     pthread_cond_t met;
     pthread_t first;
-    int threads;
-    _Atomic bool over;
+    int line, threads;
+    _Atomic bool reached, over;
 };
 
-static bool
-trace_when_met(void *arg, struct rad_ctx *ctx, int x, int y,
-               struct rad_pixel *out)
-{
-    struct meeting *m = arg;
-    struct timespec until;
-
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_sec += 10;
-    pthread_mutex_lock(&m->mu);
-    if (!is_base_line(m->w, y) &&
-        (m->threads == 0 ||
-         (m->threads == 1 && !pthread_equal(m->first, pthread_self())))) {
-        m->first = pthread_self();
-        m->threads++;
-        pthread_cond_broadcast(&m->met);
-    }
-    while (m->threads == 1 &&
-           pthread_cond_timedwait(&m->met, &m->mu, &until) == 0)
-        ;
-    pthread_mutex_unlock(&m->mu);
-    return trace(m->w, ctx, x, y, out);
-}
-
 static void
-hand_on_met(void *arg, int row, const struct rad_pixel *pixels)
+shared_rows(void *arg, int row, const struct rad_pixel *pixels)
 {
-    hand_on(((struct meeting *)arg)->w, row, pixels);
+    hand_on(((struct shared *)arg)->w, row, pixels);
 }
 
 static void *
 be_helper(void *arg)
 {
-    struct meeting *m = arg;
+    struct shared *s = arg;
 
-    while (!m->over)
-        if (team_helps(m->w->team))
-            team_work(m->w->team, NULL);
+    while (!s->over)
+        if (team_helps(s->w->team))
+            team_work(s->w->team, NULL);
         else
             sched_yield();
     return NULL;
 }
 
-/* The line has facts, or none. */
-LOOP_TEST(a_thread_without_a_line_helps_with_that_of_another, 2)
+/* Make lines [first, last) by so many threads, each pixel traced once. */
+static void
+share_lines(struct shared *s, team_trace_fn *trace_fn, int first, int last,
+            int nthreads)
+{
+    struct world *w = s->w;
+    struct pass p = true_pass(w, TEAM_TRUTH, first, last);
+    struct team_spec spec = spec_of(w, &p);
+    int row = team_line_row(&w->q, first), end;
+    pthread_t thread[8];
+
+    spec.trace = trace_fn;
+    spec.paint = NULL;
+    spec.truth.rows = shared_rows;
+    spec.arg = s;
+    spec.nthreads = nthreads;
+    if (row > 0)
+        w->handed[row - 1] = 1;
+    w->team = team_new(&spec);
+    for (int i = 1; i < nthreads; i++) {
+        bool member = i < last - first;
+
+        ck_assert_int_eq(pthread_create(&thread[i], NULL,
+                                        member ? be_member : be_helper,
+                                        member ? (void *)w->team : s),
+                         0);
+    }
+    team_work(w->team, NULL);
+    for (int i = 1; i < nthreads; i++) {
+        s->over = i >= last - first;
+        ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
+    }
+    ck_assert(team_done(w->team));
+    end = rad_quincunx_base_row(&w->q, last - 1);
+    for (int y = row; y <= end; y++)
+        ck_assert_mem_eq(w->pixels[y], w->want[y],
+                         (size_t)w->q.width * sizeof *w->want[y]);
+    ck_assert_uint_eq(team_rays(w->team), team_primary(w->team));
+    team_free(w->team);
+}
+
+/* No pixel of the bar is traced before two wait for one, or after ten seconds.
+ */
+static bool
+trace_when_met(void *arg, struct rad_ctx *ctx, int x, int y,
+               struct rad_pixel *out)
+{
+    struct shared *s = arg;
+    struct timespec until;
+
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += 10;
+    pthread_mutex_lock(&s->mu);
+    if (!is_base_line(s->w, y) &&
+        (s->threads == 0 ||
+         (s->threads == 1 && !pthread_equal(s->first, pthread_self())))) {
+        s->first = pthread_self();
+        s->threads++;
+        if (s->threads == 2 && s->late)
+            s->w->facts[s->line] = s->late;
+        pthread_cond_broadcast(&s->met);
+    }
+    while (s->threads == 1 &&
+           pthread_cond_timedwait(&s->met, &s->mu, &until) == 0)
+        ;
+    pthread_mutex_unlock(&s->mu);
+    return trace(s->w, ctx, x, y, out);
+}
+
+/* The line has no facts, or has some, or gets some meanwhile. */
+LOOP_TEST(a_thread_without_a_line_helps_with_that_of_another, 3)
 {
     struct analytic a = { ANALYTIC_NOISE, 1 };
     struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
-    struct meeting m = { .w = w,
-                         .mu = PTHREAD_MUTEX_INITIALIZER,
-                         .met = PTHREAD_COND_INITIALIZER };
-    int line = 6, row = team_line_row(&w->q, line);
-    struct pass p = true_pass(w, TEAM_TRUTH, line, line + 1);
-    struct team_spec spec;
-    pthread_t helper;
+    struct shared s = { .w = w,
+                        .mu = PTHREAD_MUTEX_INITIALIZER,
+                        .met = PTHREAD_COND_INITIALIZER,
+                        .line = 6 };
+
+    render_alone(w);
+    if (_i != 1)
+        w->facts[s.line] = NULL;
+    if (_i == 2)
+        s.late = w->all[s.line];
+    share_lines(&s, trace_when_met, s.line, s.line + 1, 2);
+    ck_assert_int_eq(s.threads, 2);
+    world_free(w);
+}
+
+/* The first pixels of each block of a base line take long. */
+static bool
+trace_blocks(void *arg, struct rad_ctx *ctx, int x, int y,
+             struct rad_pixel *out)
+{
+    struct world *w = ((struct shared *)arg)->w;
+
+    if (is_base_line(w, y) && x % team_block_columns(&w->q) < w->q.xstep)
+        usleep(1000);
+    return trace(w, ctx, x, y, out);
+}
+
+/* Blocks side by side share a pixel.  With facts and without. */
+LOOP_TEST(threads_at_one_base_line_trace_no_pixel_twice, 2)
+{
+    struct analytic a = { ANALYTIC_INTERIOR, 2 };
+    struct world *w = world_new(&a, 2, WIDE, 40, .05, false);
+    struct shared s = { .w = w };
+
+    ck_assert_int_gt(team_block_columns(&w->q), 4 * w->q.xstep);
+    render_alone(w);
+    if (_i)
+        w->facts[6] = NULL;
+    share_lines(&s, trace_blocks, 6, 7, 4);
+    world_free(w);
+}
+
+/* Line 0 ends while the member of line 1 is at a gap in the middle, early, and
+ * stays there for a while. */
+static bool
+trace_early_gap(void *arg, struct rad_ctx *ctx, int x, int y,
+                struct rad_pixel *out)
+{
+    enum { PATIENCE_MS = 10000 };
+    struct shared *s = arg;
+    struct rad_quincunx *q = &s->w->q;
+    int gap = rad_quincunx_gap_begin(q, 1, rad_quincunx_ngaps(q, 1) / 2);
+
+    if (y == rad_quincunx_base_row(q, 1) && x == gap && !s->reached) {
+        s->reached = true;
+        usleep(50000);
+    }
+    for (int ms = 0; y == 0 && x > 0 && !s->reached; ms++) {
+        ck_assert_int_lt(ms, PATIENCE_MS);
+        usleep(1000);
+    }
+    return trace(s->w, ctx, x, y, out);
+}
+
+LOOP_TEST(who_helps_traces_nothing_that_was_traced_early, 2)
+{
+    struct analytic a = { ANALYTIC_INTERIOR, 2 };
+    struct world *w = world_new(&a, 2, WIDE, 40, .05, false);
+    struct shared s = { .w = w };
 
     render_alone(w);
     if (_i)
-        w->facts[line] = NULL;
-    spec = spec_of(w, &p);
-    spec.trace = trace_when_met;
-    spec.paint = NULL;
-    spec.truth.rows = hand_on_met;
-    spec.arg = &m;
-    w->handed[row - 1] = 1;
-    w->team = team_new(&spec);
-    ck_assert_int_eq(pthread_create(&helper, NULL, be_helper, &m), 0);
-    team_work(w->team, NULL);
-    m.over = true;
-    ck_assert_int_eq(pthread_join(helper, NULL), 0);
-    ck_assert_int_eq(m.threads, 2);
-    ck_assert(team_done(w->team));
-    for (int y = row; y < row + team_line_rows(&w->q, line); y++)
-        ck_assert_mem_eq(w->pixels[y], w->want[y], sizeof w->pixels[y]);
-    /* two blocks share a pixel of the base line, which both may trace */
-    ck_assert_uint_ge(team_rays(w->team), team_primary(w->team));
-    ck_assert_uint_le(team_rays(w->team), team_primary(w->team) + 64);
-    team_free(w->team);
+        w->facts[1] = NULL;
+    share_lines(&s, trace_early_gap, 0, 2, 3);
     world_free(w);
 }
 

@@ -14,7 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_W = 200, MOST_H = 160, MOST_LINES = MOST_H };
+/* Blocks of a line have several gaps in a picture as wide as WIDE. */
+enum { MOST_W = 200, WIDE = 800, MOST_H = 160, MOST_LINES = MOST_H };
 enum { SEEDS = 40, WORLDS = 5 };
 
 /* A picture, and what was made of it. */
@@ -26,14 +27,14 @@ struct world {
     size_t ndensity;
     _Atomic(struct rad_facts *) facts[MOST_LINES]; /* as teams see them */
     struct rad_facts *all[MOST_LINES];
-    struct rad_pixel pixels[MOST_H][MOST_W]; /* handed on */
+    struct rad_pixel pixels[MOST_H][WIDE]; /* handed on */
     int handed[MOST_H];
     uint64_t primary, traced; /* of truth; of all passes */
     _Atomic int stop_after;   /* pixels; the pass that is running */
     struct team *_Atomic team;
     /* one run of the sampler */
-    struct rad_pixel want[MOST_H][MOST_W];
-    uint8_t want_density[MOST_LINES][MOST_W + 3];
+    struct rad_pixel want[MOST_H][WIDE];
+    uint8_t want_density[MOST_LINES][WIDE + 3];
     uint64_t want_primary;
 };
 
@@ -95,7 +96,7 @@ static inline void
 render_alone(struct world *w)
 {
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
-    uint8_t density[MOST_W + 3];
+    uint8_t density[WIDE + 3];
     struct rad_quincunx q = w->q;
     int above = 0;
 
