@@ -147,7 +147,6 @@ team_line_begin(struct team *t)
         line_at(t, i)->done = false;
         atomic_store(&line_at(t, i)->ready, 0);
         atomic_store_explicit(&line_at(t, i)->shown, 0, memory_order_relaxed);
-        atomic_store(&line_at(t, i)->early_begun, false);
         begin_help_locked(t, i);
         begin_blocks_locked(t, i);
     }

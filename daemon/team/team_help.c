@@ -46,9 +46,8 @@ part_of(const struct team *t, int i, enum part *part)
         return above > t->ndensity && has_bar(t, i);
     }
     *part = PART_BASE;
-    return above >= t->ndensity && !atomic_load(&line_at(t, i)->early_begun) &&
-           team_block_columns(&t->spec.sampler) >=
-               LEAST_GAPS * t->spec.sampler.xstep;
+    return above >= t->ndensity && team_block_columns(&t->spec.sampler) >=
+                                       LEAST_GAPS * t->spec.sampler.xstep;
 }
 
 /* The end of the columns whose blocks the line's member will claim: in the last
@@ -209,6 +208,25 @@ help_claim(struct member *m, enum part part, int b)
     await_locked(m, part, bit);
     uv_mutex_unlock(&m->team->mu);
     return m->mine[part] & bit && !is_stopped(m->team);
+}
+
+bool
+help_claim_early(struct member *m, int gap)
+{
+    struct line *l = line_at(m->team, m->i);
+    int x = rad_quincunx_gap_begin(&m->q, m->i, gap);
+    uint64_t bit = UINT64_C(1) << x / team_block_columns(&m->q);
+
+    if ((m->begun_early | m->mine[PART_BASE]) & bit)
+        return true;
+    if (atomic_fetch_or(&l->taken[PART_BASE], bit) & bit)
+        return false;
+    m->begun_early |= bit;
+    uv_mutex_lock(&m->team->mu);
+    l->helped[PART_BASE] |= bit;
+    l->helped_done[PART_BASE] |= bit;
+    uv_mutex_unlock(&m->team->mu);
+    return true;
 }
 
 bool

@@ -56,11 +56,9 @@ struct line {
      * sets a bit has the block.  No other data depends on the bits;
      * sequentially consistent, as a weaker order would gain nothing. */
     _Atomic uint64_t taken[NPART];
-    /* [mu] Blocks that helpers took, and of these the ones that they did. */
+    /* [mu] Blocks that helpers took, and of these the ones that they did; with
+     * those of which the member traced pixels early. */
     uint64_t helped[NPART], helped_done[NPART];
-    /* Its member has traced pixels early.  So that none is traced twice,
-     * helpers leave such a base line alone. */
-    _Atomic bool early_begun;
     /* What helpers traced while spec.facts had no facts of the line; made by
      * the first of them, with mu held, and stays until the line's buffers get
      * another line.  Stored (release) for recall(). */

@@ -94,18 +94,12 @@ trace_early(struct member *m, const struct rad_quincunx_line *s, size_t need)
 {
     struct rad_pixel pixels[RAD_QUINCUNX_MAX_XSTEP + 1];
     struct team *t = m->team;
-    const struct line *above;
 
     if (!line_at(t, m->i)->known || m->i == t->spec.first || need == 0)
         return;
-    above = line_at(t, m->i - 1);
     m->early = true;
-    while (atomic_load(&above->ready) < need && !is_stopped(t)) {
-        if (m->ahead - 1 <= (int)s->gap)
-            break;
-        /* stores, then loads ready; part_of() loads ready, then this */
-        atomic_store(&line_at(t, m->i)->early_begun, true);
-        if (atomic_load(&above->ready) >= t->ndensity)
+    while (atomic_load(&line_at(t, m->i - 1)->ready) < need && !is_stopped(t)) {
+        if (m->ahead - 1 <= (int)s->gap || !help_claim_early(m, m->ahead - 1))
             break;
         rad_quincunx_gap(&m->q, m->i, --m->ahead, NULL, pixels);
         member_tell_rays(m);

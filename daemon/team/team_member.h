@@ -19,6 +19,7 @@ struct member {
     int ahead;   /* the first gap that was traced before the member slept */
     bool unsure; /* member_is_unsure() of the line */
     uint64_t mine[NPART]; /* blocks of the line that this member began */
+    uint64_t begun_early; /* blocks of the base line, see help_claim_early() */
     uint64_t told;        /* rays that were added to the team's */
     uint64_t traced;      /* pixels traced */
     uint64_t primary;     /* pixels wanted by the true sampler */
@@ -86,6 +87,10 @@ bool help_with_block(struct member *m);
 /* Claim block b for the member, or wait until a helper has done it; false: it
  * is lent, or the team is stopped. */
 bool help_claim(struct member *m, enum part part, int b);
+/* Claim the gap's block of the base line to trace pixels early: no helper gets
+ * it, and it counts as one that a helper did, to which the member still comes.
+ * False: a helper has it, or it is lent. */
+bool help_claim_early(struct member *m, int gap);
 /* Wait until helpers have done the blocks of the member's base line that they
  * took, and put these into the line; false: the team is stopped. */
 bool help_await_base(struct member *m);
