@@ -25,9 +25,9 @@
 #define ENOUGH_WEIGHT .05
 
 /* The test for a light leak takes a ray.  If the question is only whether some
- * record serves, and for deep records of a frozen cache, up to MOST_PUT_OFF
- * records that need the test are put off, and left out if other records have
- * the weight ENOUGH_DEEP.  Those put off are tested from the nearest one on. */
+ * record serves, and for deep records of a frozen cache, records that need the
+ * test are put off, and left out if other records have the weight ENOUGH_DEEP.
+ * Else the nearest MOST_PUT_OFF of them are tested, from the nearest one on. */
 #define ENOUGH_DEEP  .05
 #define MOST_PUT_OFF 24
 
@@ -173,6 +173,26 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     k->var = v.var;
 }
 
+/* Put the test of a record for light leaks off.  Where there are too many the
+ * farthest is left out. */
+static void
+put_off_test(struct search *s, const struct rad_ambitem *it, float dist)
+{
+    struct put_off *at = &s->put_off[s->nput_off];
+
+    if (s->nput_off == MOST_PUT_OFF) {
+        at = s->put_off;
+        for (int i = 1; i < MOST_PUT_OFF; i++)
+            if (s->put_off[i].dist > at->dist)
+                at = &s->put_off[i];
+        if (at->dist <= dist)
+            return;
+    } else {
+        s->nput_off++;
+    }
+    *at = (struct put_off){ it, dist, s->frozen };
+}
+
 /* Add a record to the sums, if it serves at the place. */
 static inline void
 add_record(struct search *s, const struct rad_ambitem *it)
@@ -207,8 +227,8 @@ add_record(struct search *s, const struct rad_ambitem *it)
     if (!rad_ambient_extrapolate(it, across, says.gpos, u, v, s->pn, &factor))
         return;
     if (it->corral && it->corral >> part_of_turn(u, v) & 1) {
-        if (s->spares && s->nput_off < MOST_PUT_OFF) {
-            s->put_off[s->nput_off++] = (struct put_off){ it, dist, s->frozen };
+        if (s->spares) {
+            put_off_test(s, it, dist);
             return;
         }
         if (is_walled_off(s->amb, s->at, it, s->asker->counts, s->asker->rays))
