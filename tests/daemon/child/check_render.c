@@ -337,19 +337,3 @@ TEST(a_frame_that_cannot_be_loaded_fails_the_job)
     say(&m);
     check_failed(EX_NOINPUT, "");
 }
-
-/* Of a strict unit that takes long. */
-TEST(a_tally_tells_what_is_under_way)
-{
-    const struct msg_tally *t;
-    int most = 400; /* a slow machine reaches no pixel before the first */
-
-    begin("-x 64 -y 64 -ab 1 -aa 0 -ad 200 -ps 1", MSG_PART_SCANBAR, 0, 1);
-    give(0, 0, 0, SIDE, SIDE, MSG_MODE_STRICT);
-    do
-        t = &hear_of(MSG_TALLY)->tally;
-    while (--most > 0 && (t->rays_under_way == 0 || t->pixels_under_way == 0));
-    ck_assert_uint_gt(t->pixels_under_way, 0);
-    ck_assert_uint_ge(t->rays_under_way, t->pixels_under_way);
-    ck_assert_uint_gt(t->peak_rss_bytes, 0);
-}
