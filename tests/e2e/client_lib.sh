@@ -43,12 +43,13 @@ body()
     LC_ALL=C sed '1,/^$/d' "$1"
 }
 
-# A background process of a shell starts with interrupts ignored; this one
-# does not.
+# A background process of a shell starts with interrupts ignored, and below nohup
+# hang-ups are; this one starts with neither.
 interruptible()
 {
     exec python3 -c 'import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)
+for ignored in signal.SIGINT, signal.SIGHUP:
+    signal.signal(ignored, signal.SIG_DFL)
 os.execv(sys.argv[1], sys.argv[1:])' "$@"
 }
 

@@ -4,6 +4,9 @@
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 set -u
 
+# Has process $pid ended?
+ended() { ! ps -o stat= -p $pid | grep -qv '^Z'; }
+
 # A picture that takes minutes: every pixel, many samples of the lamp.
 start() # OPTIONS...
 {
@@ -83,13 +86,29 @@ for signal in INT TERM HUP; do # as rpict
     [ $status -eq 3 ] || fail "$signal in the place of rpict: status $status"
 done
 
+# views from the standard input, each a radsubmit of its own
+standin=$("$radsubmit" --rpict-path)/rpict
+{ printf 'VIEW= '; cat "$scenes/room.vf"; } >views
+for signal in INT TERM HUP; do
+    : >stderr
+    interruptible "$standin" -S 1 -t 1 -x 3000 -y 2250 -ps 1 -ds .02 -dj 1 \
+        "$scenes/room.rad" <views >/dev/null 2>stderr &
+    pid=$!
+    until_true 30 grep -q 'rays/s' stderr || fail "no progress: $(cat stderr)"
+    kill -$signal $pid
+    until_true 30 ended || fail "$signal: a picture of rpict -S goes on"
+    wait $pid
+    status=$?
+    [ $status -eq 3 ] || fail "$signal, rpict -S: exit status $status"
+    check_nothing_left "$signal, rpict -S"
+done
+
 start
 kill -KILL $pid
 wait $pid 2>/dev/null
 check_nothing_left "killed"
 
 # while the picture goes to a reader that reads no more
-ended() { ! ps -o stat= -p $pid | grep -qv '^Z'; }
 mkfifo stuck
 exec 3<>stuck
 # stuck WHAT ARG...: both signals end a radsubmit whose output nobody reads on
