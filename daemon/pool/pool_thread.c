@@ -4,10 +4,12 @@
  * its team (team.h).  If the queue is empty it joins a team that has lines left
  * to begin, else one whose members it can help with their lines.  So each of
  * many units has a thread of its own, and a single unit, or the last units,
- * have all threads to their last columns. Of a strict unit a team makes one
- * pass at a time; strict_rank.c chooses the next.  Passes under true tops come
- * before passes ahead.  A thread joins a pass of TRUTH or LINES rather than
- * begin a less urgent pass, for other workers may wait for its result. */
+ * have all threads to their last columns.
+ *
+ * Of a strict unit a team makes one pass at a time; strict_rank.c chooses the
+ * next.  Passes under true tops come before passes ahead.  A thread joins a pass
+ * of TRUTH or LINES rather than begin a less urgent pass, for other workers may
+ * wait for its result. */
 #include "config.h"
 
 #include "pool/pool_impl.h"

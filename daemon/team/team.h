@@ -43,7 +43,7 @@
  * Thread: team_work() from several threads at once; team_stop(), team_open(),
  * team_helps(), team_shrink(), team_lend(), team_back(), team_bottom(),
  * team_rays(), team_made() and team_waited() from any; all others while no
- * thread works. Rows are handed on by one member at a time. */
+ * thread works.  Rows are handed on by one member at a time. */
 #ifndef RADD_DAEMON_TEAM_H
 #define RADD_DAEMON_TEAM_H
 

@@ -261,11 +261,11 @@ gather_bright(struct rad_ambient *amb, struct rad_bright *bright)
     return ok;
 }
 
-/* The view that a settling makes. */
+/* The view that the settling begun last makes. */
 static struct rad_ambview *
 view_to_be(struct rad_ambient *amb)
 {
-    return &amb->view[amb->settlings % RAD_AMBIENT_VIEWS];
+    return &amb->view[amb->read.settlings % RAD_AMBIENT_VIEWS];
 }
 
 _Static_assert(RAD_AMBIENT_VIEWS == RAD_AMBREAD_LATE + 1,
@@ -280,9 +280,8 @@ rad_ambient_settle_begin(struct rad_ambient *amb, bool alone)
 
     if (!amb->frozen)
         return 0;
-    amb->settlings++;
-    now = view_to_be(amb);
     pieces = rad_ambread_settle_begin(&amb->read, alone, zone_in, amb);
+    now = view_to_be(amb);
     if (last->n == amb->read.n) {
         *now = *last;
         return 0;

@@ -52,7 +52,6 @@ struct rad_ambient {
     /* of `read`, by number of settlings modulo */
     struct rad_ambview view[RAD_AMBIENT_VIEWS];
     const struct rad_ambview *newest; /* of these that is whole */
-    uint32_t settlings;               /* so many were begun */
     bool frozen; /* [fixed] once there are records */
     bool blind;  /* memory was out for a view's bright places */
     /* [fixed] by level, for rays of the weight that is usual there */

@@ -52,13 +52,6 @@ rad_ambread_free_trees(struct rad_ambread_trees *t)
     return next;
 }
 
-/* The trees that visits read, for the thread that changes them. */
-static struct rad_ambread_trees *
-trees_of(const struct rad_ambread *r)
-{
-    return atomic_load_explicit(&r->trees, memory_order_relaxed);
-}
-
 void
 rad_ambread_release(struct rad_ambread *r)
 {
@@ -110,7 +103,7 @@ add_glint(struct rad_ambread *r, const struct rad_glint *glint)
 bool
 rad_ambread_add(struct rad_ambread *r, const struct rad_ambrec *rec)
 {
-    const struct rad_ambread_trees *trees = trees_of(r);
+    const struct rad_ambread_trees *trees = rad_ambread_trees_of(r);
     bool is_read = trees && trees->item == r->item;
     void *array = r->item;
     bool ok = r->n < UINT32_MAX &&
@@ -174,7 +167,7 @@ size_t
 rad_ambread_bytes(const struct rad_ambread *r)
 {
     size_t bytes = r->cap * sizeof *r->item + r->glint_cap * sizeof *r->glint;
-    const struct rad_ambread_trees *trees = trees_of(r);
+    const struct rad_ambread_trees *trees = rad_ambread_trees_of(r);
     struct rad_ambread_size size = { 0, 0 };
 
     for (int i = 0; trees && i < TREES; i++)
@@ -185,7 +178,7 @@ rad_ambread_bytes(const struct rad_ambread *r)
 void
 rad_ambread_tighten(struct rad_ambread *r)
 {
-    struct rad_ambread_trees *trees = trees_of(r);
+    struct rad_ambread_trees *trees = rad_ambread_trees_of(r);
     void *less;
 
     if (!trees)

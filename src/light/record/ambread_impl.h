@@ -53,6 +53,13 @@ struct rad_ambread_trees {
     struct rad_ambread_cell tree[TREES]; /* by bounces and face */
 };
 
+/* The trees that visits read, for the thread that changes them. */
+static inline struct rad_ambread_trees *
+rad_ambread_trees_of(const struct rad_ambread *r)
+{
+    return atomic_load_explicit(&r->trees, memory_order_relaxed);
+}
+
 /* The blocks of a list of n places. */
 static inline size_t
 blocks_for(size_t n)

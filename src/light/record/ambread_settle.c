@@ -8,14 +8,16 @@
  * up in proportion to its number of records, for records are made where
  * look-ups miss.  A leaf whose records are all in a single part, as those of a
  * room that is small in its scene, is divided, too: the part's list is no
- * longer, and tells boxes apart more finely. Copies are bounded: a tree has at
- * most COPIES places for a record, or one block.  This is shared out among the
- * parts of a cell, in proportion to their blocks.  Since that proportion
- * changes as records come, a tree may come to have more places; it is made anew
- * when it gets records next. Pieces are cells that few of the new records
- * touch; the thread that begins goes down to them.  The shape of the trees does
- * not depend on who makes which piece, and what look-ups find does not depend
- * on the shape (ambread.h).  */
+ * longer, and tells boxes apart more finely.
+ *
+ * Copies are bounded: a tree has at most COPIES places for a record, or one
+ * block.  This is shared out among the parts of a cell, in proportion to their
+ * blocks.  Since that proportion changes as records come, a tree may come to
+ * have more places; it is made anew when it gets records next.
+ *
+ * Pieces are cells that few of the new records touch; the thread that begins
+ * goes down to them.  The shape of the trees does not depend on who makes which
+ * piece, and what look-ups find does not depend on the shape (ambread.h). */
 #include "config.h"
 
 #include "light/record/ambread_impl.h"
@@ -562,8 +564,7 @@ rad_ambread_settle_begin(struct rad_ambread *r, bool alone,
                          rad_ambread_zone_fn *zone, const void *arg)
 {
     struct growth g = { .r = r, .cuts = true };
-    struct rad_ambread_trees *now =
-        atomic_load_explicit(&r->trees, memory_order_relaxed);
+    struct rad_ambread_trees *now = rad_ambread_trees_of(r);
 
     r->settlings++;
     free_former(r, now, alone);
