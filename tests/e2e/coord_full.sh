@@ -182,7 +182,7 @@ if [ $FULL_TMPFS = yes ]; then
     rm state/crumbs
     truncate -s -4M state/ballast
     # shellcheck disable=SC2086
-    "$radsubmit" --coordinator="$sock" --name=more $view -x 2000 -y 1500 \
+    "$radsubmit" --coordinator="$sock" --name=more $view -x 1600 -y 1200 \
         -o more.hdr "$room" 2>more.err &
     more=$!
     until_true 30 says_held more || fail "more: it is not held: $(cat more.err)"
@@ -199,7 +199,7 @@ if [ $FULL_TMPFS = yes ]; then
         : >stays.err
         # shellcheck disable=SC2086
         interruptible "$radsubmit" --coordinator="$sock" --name=stays $view \
-            -x 2000 -y 1500 -o stays.hdr "$room" 2>stays.err &
+            -x 1600 -y 1200 -o stays.hdr "$room" 2>stays.err &
         stays=$!
         until_true 30 grep -q '^radsubmit: job ' stays.err ||
             fail "a job that waits has no id: $(cat stays.err)"
