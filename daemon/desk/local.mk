@@ -1,8 +1,6 @@
 # what the coordinator knows of all jobs, workers and connections
 libdaemon_a_SOURCES += \
 	daemon/desk/account.h \
-	daemon/desk/attempt.c \
-	daemon/desk/attempt.h \
 	daemon/desk/desk.c \
 	daemon/desk/desk.h \
 	daemon/desk/duplicate.c \
@@ -10,6 +8,8 @@ libdaemon_a_SOURCES += \
 	daemon/desk/env.h \
 	daemon/desk/feeding.c \
 	daemon/desk/feeding.h \
+	daemon/desk/holding.c \
+	daemon/desk/holding.h \
 	daemon/desk/linking.c \
 	daemon/desk/linking.h \
 	daemon/desk/order.c \

@@ -3,7 +3,7 @@
 
 #include "filling/tiles.h"
 
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "desk/verdict.h"
 #include "filling/colours.h"
 #include "filling/passes_impl.h"
@@ -203,7 +203,7 @@ renders_lines(const struct coord *c, const struct job *job,
 
         if (o->spec.priority < job->spec.priority)
             break;
-        if (o != job && attempt_has_any(o, w) &&
+        if (o != job && holding_has_any(o, w) &&
             partition_is_strict(o->partition) &&
             partition_kind(o->partition) != MSG_PART_SCANBAR)
             return true;
@@ -275,7 +275,7 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     t->holder[t->nholders++] = index;
     t->out_ms = c->now_ms;
     jw->ntiles[pass % MSG_OPEN_PASSES]++;
-    attempt_fill(jw->worker, job);
+    holding_fill(jw->worker, job);
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
@@ -317,7 +317,7 @@ tiles_lost(struct job *job, uint32_t index)
     memset(jw->ntiles, 0, sizeof jw->ntiles);
     jw->lags = false;
     if (jw->worker->fills == job)
-        attempt_fill(jw->worker, NULL);
+        holding_fill(jw->worker, NULL);
     for (uint32_t k = 0; s && k < MSG_OPEN_PASSES; k++)
         for (uint32_t i = s->sheet[k].oldest, then; i != NO_TILE; i = then) {
             then = s->sheet[k].tile[i].then;

@@ -3,7 +3,7 @@
 
 #include "front/report.h"
 
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "desk/desk.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
@@ -224,7 +224,7 @@ static bool
 waits_its_turn(const struct coord *c, const struct job *job)
 {
     if (job->stage != STAGE_OPEN || job->state == JOB_PAUSED ||
-        (job->state == JOB_RUNNING && attempt_workers(job) > 0))
+        (job->state == JOB_RUNNING && holding_workers(job) > 0))
         return false;
     for (const struct coord_worker *w = c->workers; w; w = w->next)
         if (desk_takes_units(w) && w->in_flight == 0 && !w->fills)
@@ -346,7 +346,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         (json_int_t)size.oversample, "units_done", (json_int_t)p.units_done,
         "units_total", (json_int_t)p.units_total, "units_redone",
         (json_int_t)p.units_redone, "rays", (json_int_t)p.rays, "workers",
-        (json_int_t)attempt_workers(job), "elapsed_s", p.elapsed_s, "error",
+        (json_int_t)holding_workers(job), "elapsed_s", p.elapsed_s, "error",
         p.error, "left_out", p.left_out, "text", why(c, job, text), "status",
         job->status);
     if (!o)

@@ -18,7 +18,7 @@
  *
  * Messages cross, so one may come that does not fit the state any more (PARKED
  * of an attempt that waits already, GAVE without YIELD): it is ignored.
- * attempt.c counts a worker's attempts: in_flight those that are WORKING;
+ * holding.c counts a worker's attempts: in_flight those that are WORKING;
  * parked those that are PARKED, BLOCKED or YIELDING; delivered those that are
  * DELIVERED. */
 #include "config.h"

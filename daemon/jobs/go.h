@@ -42,7 +42,7 @@ enum go_rows {
     GO_SPENT    /* no, and the attempt's last row has come */
 };
 
-/* Changed by lending.c; attempt.c counts loans down when one ends. */
+/* Changed by lending.c; holding.c counts loans down when one ends. */
 struct go_lending {
     uint32_t lender;     /* of a loan: the number of the attempt that lends */
     uint32_t x, n;       /* of a loan: columns [x, x + n) of the last line */
@@ -56,7 +56,7 @@ struct go_lending {
                           * lent nothing */
 };
 
-/* Changed by handoff.c; attempt.c clears makes_top when the base line is made.
+/* Changed by handoff.c; holding.c clears makes_top when the base line is made.
  */
 struct go_handoff {
     bool top_sent;  /* the coordinator sent the attempt's worker the whole base
@@ -88,7 +88,7 @@ struct job_go {
 /* Which state may follow which; see the head of go.c. */
 extern const struct steps go_steps;
 /* Change the attempt's state; the step must be in go_steps.  Only for
- * attempt_step(), which also counts a worker's attempts by their states. */
+ * holding_step(), which also counts a worker's attempts by their states. */
 void go_step(struct job_go *go, enum go_state to);
 
 /* Is the attempt GO_WORKING? */

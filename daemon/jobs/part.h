@@ -42,7 +42,7 @@ struct job_worker {
     double load_s;     /* time that its child took to load the job */
     uint64_t fingerprint;
 
-    /* the worker's attempts (attempt.c) */
+    /* the worker's attempts (holding.c) */
     uint32_t in_flight;       /* attempts that are GO_WORKING */
     uint32_t counted_threads; /* its threads, as counted for the job's payer */
     uint32_t parked;          /* attempts that wait (go_waits()) */

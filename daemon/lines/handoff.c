@@ -13,7 +13,7 @@
 #include "lines/handoff.h"
 
 #include "desk/desk.h"
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "desk/linking.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
@@ -298,7 +298,7 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
 
     if (go && is_making_top(job, go, m->frame, m->line) &&
         shared_of_base(job->shared, m))
-        attempt_top_made(c, job, go);
+        holding_top_made(c, job, go);
 }
 
 void
@@ -410,7 +410,7 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
                        */
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].state == GO_PARKED)
-            attempt_step(c, job, &u->go[i], GO_WORKING);
+            holding_step(c, job, &u->go[i], GO_WORKING);
 }
 
 /* May the worker send lines of the unit?  It has an attempt, or had the last
@@ -473,12 +473,12 @@ handoff_parked(struct coord *c, struct coord_worker *w, const struct msg *msg)
         (go->parked_ms != 0 && go->lending.line_ms == 0))
         return;
     desk_log_unit(c, job, go, "unit parked");
-    attempt_top_made(c, job, go);
+    holding_top_made(c, job, go);
     speed_finished(job, go);
     if (lending_parked(c, go))
-        attempt_step(c, job, go, GO_BLOCKED);
+        holding_step(c, job, go, GO_BLOCKED);
     else if (!has_work_to_come(job, m->unit))
-        attempt_step(c, job, go, GO_PARKED);
+        holding_step(c, job, go, GO_PARKED);
     else
         go->parked_ms = c->now_ms; /* the top is on its way to the attempt */
     offer_top(c, job, m->unit);
@@ -521,6 +521,6 @@ handoff_tick(struct coord *c, struct job *job)
         offer_top(c, job, job->out[i]);
         for (uint8_t k = 0; k < u->ngos; k++)
             if (c->now_ms - u->go[k].out_ms >= TOP_UNMADE_MS)
-                attempt_top_made(c, job, &u->go[k]);
+                holding_top_made(c, job, &u->go[k]);
     }
 }

@@ -11,7 +11,7 @@
 #include "lines/lending.h"
 
 #include "desk/desk.h"
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "jobs/go.h"
@@ -224,7 +224,7 @@ lending_tick(struct coord *c, struct job *job)
                 continue;
             desk_log_unit(c, job, go, "loan late");
             desk_send_attempt(c, job, MSG_REVOKE, go);
-            attempt_release(c, job, go);
+            holding_end(c, job, go);
         }
     }
 }
@@ -271,7 +271,7 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
         const struct msg_loan *m)
 {
     struct job_unit *u = &job->units[m->unit];
-    struct job_go *to = attempt_add(c, job, index, m->unit, u->attempt + 1);
+    struct job_go *to = holding_begin(c, job, index, m->unit, u->attempt + 1);
     struct job_go *go = go_of_attempt(job, m->unit, attempt);
     struct msg pass = { .type = MSG_LOAN, .loan = *m };
     uint32_t root = go->origin == GO_LOAN ? go->lending.lender : attempt;
@@ -313,7 +313,7 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     go = go_find(job, m->unit, index, m->attempt);
     if (!go || go->state == GO_DELIVERED) { /* no answer: it waits for ever */
-        attempt_send_back(c, w, &back);
+        holding_send_back(c, w, &back);
         return;
     }
     if (!loan_fits(job, go, m)) {
@@ -327,7 +327,7 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (to != JOB_NOBODY && is_whole_end(go, m))
         lend_to(c, job, to, go->attempt, m);
     else
-        attempt_send_back(c, w, &back);
+        holding_send_back(c, w, &back);
 }
 
 /* The borrower's cost is added to the unit's; black pixels (counts.nan) are
@@ -366,5 +366,5 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
     jw->cpu_s += counts.cpu_s;
     job->rays += counts.rays;
     progress_see(job);
-    attempt_release(c, job, go);
+    holding_end(c, job, go);
 }

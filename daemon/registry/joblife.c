@@ -9,7 +9,7 @@
 #include "registry/joblife.h"
 
 #include "desk/desk.h"
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "desk/linking.h"
 #include "desk/order.h"
 #include "jobs/job.h"
@@ -39,7 +39,7 @@ joblife_send_progress(struct coord *c, const struct coord_conn *conn,
     struct msg m = { .type = MSG_PROGRESS, .request = conn->watch_request };
 
     progress_tell(job, c->now_ms, &m.progress);
-    m.progress.workers = attempt_workers(job);
+    m.progress.workers = holding_workers(job);
     actions_send(&c->actions, conn->id, &m);
 }
 
@@ -87,7 +87,7 @@ joblife_set_priority(struct coord *c, struct job *job, int32_t priority)
     job->spec.priority = priority;
     order_move(c, job);
     for (struct coord_worker *w = c->workers; w; w = w->next)
-        attempt_rate(c, w);
+        holding_rate(c, w);
 }
 
 static void go_on_filing(struct coord *c, struct job *job);

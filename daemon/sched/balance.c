@@ -11,7 +11,7 @@
 #include "sched/balance.h"
 
 #include "desk/desk.h"
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "jobs/go.h"
@@ -145,7 +145,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
         loss_of(c, job, go);
         return;
     }
-    if (!attempt_shrink(c, job, go, m->height))
+    if (!holding_shrink(c, job, go, m->height))
         verdict_break(c, w->conn, "a GAVE that fits no lines");
 }
 
@@ -207,7 +207,7 @@ release_spent(struct coord *c, struct job *job, uint32_t unit)
 
     for (uint8_t k = u->ngos; k-- > 0;)
         if (u->go[k].rows == GO_SPENT && u->go[k].state != GO_DELIVERED)
-            attempt_release(c, job, &u->go[k]);
+            holding_end(c, job, &u->go[k]);
 }
 
 /* Note workers that have work and whose progress counter stands still. */

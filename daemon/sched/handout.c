@@ -4,7 +4,7 @@
 #include "sched/handout.h"
 
 #include "desk/desk.h"
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "lines/handoff.h"
 
 /* Where a worker begins its lines: another end for each attempt at a unit. */
@@ -66,7 +66,7 @@ void
 handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_go *go = attempt_add(c, job, index, unit, u->attempt + 1);
+    struct job_go *go = holding_begin(c, job, index, unit, u->attempt + 1);
 
     if (!go) {
         c->actions.failed = true;
@@ -80,7 +80,7 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     u->given_back = false;
     desk_log_unit(c, job, go, "unit out");
     if (u->ngos == 1) {
-        attempt_forget_rows(job, unit);
+        holding_forget_rows(job, unit);
         u->lead = u->attempt;
         if (u->worker != index)
             u->losses = 0;

@@ -4,8 +4,8 @@
 #include "sched/loss.h"
 
 #include "desk/desk.h"
-#include "desk/attempt.h"
 #include "desk/feeding.h"
+#include "desk/holding.h"
 #include "desk/linking.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
@@ -48,12 +48,12 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
-    attempt_forget_rows(job, unit);
+    holding_forget_rows(job, unit);
     u->lead = 0;
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].rows != GO_MAY_LEAD) {
             desk_send_attempt(c, job, MSG_REVOKE, &u->go[i]);
-            attempt_release(c, job, &u->go[i]);
+            holding_end(c, job, &u->go[i]);
         }
 }
 
@@ -66,7 +66,7 @@ loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].lending.lender == lender) {
             desk_send_attempt(c, job, MSG_YIELD, &u->go[i]);
-            attempt_release(c, job, &u->go[i]);
+            holding_end(c, job, &u->go[i]);
         }
 }
 
@@ -78,7 +78,7 @@ lose(struct coord *c, struct job *job, struct job_go *go)
     struct job_unit *u = &job->units[unit];
     bool led = attempt == u->lead || u->lead == 0;
 
-    attempt_release(c, job, go);
+    holding_end(c, job, go);
     loss_end_loans(c, job, unit, attempt);
     if (u->ngos > 0 && led)
         new_lead(c, job, unit);
@@ -199,7 +199,7 @@ find_or_revive(struct coord *c, struct job *job, uint32_t index,
 
     if (!go && u->state != UNIT_DONE && u->ngos == 0 && u->lead != 0 &&
         u->lead == m->attempt && u->worker == index &&
-        attempt_revive(c, job, index, m->unit))
+        holding_revive(c, job, index, m->unit))
         go = go_find(job, m->unit, index, m->attempt);
     return go;
 }
@@ -220,7 +220,7 @@ resume(struct coord *c, struct job *job, uint32_t index,
     go->origin = GO_RESUMED;
     job->units[m->unit].losses = 0;
     desk_log_unit(c, job, go, "unit still");
-    if (m->height == a.height || attempt_shrink(c, job, go, m->height))
+    if (m->height == a.height || holding_shrink(c, job, go, m->height))
         return true;
     loss_of(c, job, go);
     return false;

@@ -5,7 +5,7 @@
 
 #include "desk/desk.h"
 #include "desk/duplicate.h"
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/passes.h"
@@ -133,7 +133,7 @@ drop_incomplete(struct coord *c, struct job *job, struct job_go *go)
     actions_log(&c->actions, ACT_WARN,
                 "unit incomplete job=%s unit=%u attempt=%u worker=%s", job->hex,
                 unit, go->attempt, job->workers[go->worker].name);
-    attempt_forget_rows(job, unit);
+    holding_forget_rows(job, unit);
     u->lead = 0;
     loss_of(c, job, go);
     if (++u->faults < JOB_MAX_CRASHES)
@@ -163,7 +163,7 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
                 return; /* it is not silent: the disk is slow */
             u->go[i].rows = GO_DROPPED;
         }
-    attempt_forget_rows(job, m->unit);
+    holding_forget_rows(job, m->unit);
     u->lead = 0;
     if (u->overtaken < SILENT_DOUBLES)
         u->overtaken++;
@@ -212,11 +212,11 @@ delivered(struct coord *c, struct job *job, struct job_go *go)
     struct job_unit *u = &job->units[go->unit];
 
     speed_finished(job, go);
-    attempt_step(c, job, go, GO_DELIVERED);
+    holding_step(c, job, go, GO_DELIVERED);
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].state != GO_DELIVERED) {
             desk_send_attempt(c, job, MSG_REVOKE, &u->go[i]);
-            attempt_release(c, job, &u->go[i]);
+            holding_end(c, job, &u->go[i]);
         }
 }
 
@@ -282,11 +282,11 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
     struct job_unit *u = &job->units[m->unit];
     struct job_go *go;
 
-    if (u->ngos == 0 && !attempt_revive(c, job, index, m->unit))
+    if (u->ngos == 0 && !holding_revive(c, job, index, m->unit))
         return;
     go = go_find(job, m->unit, index, m->attempt);
     if (gave_before(job, index, m, a) &&
-        attempt_shrink(c, job, go, m->row + m->rows))
+        holding_shrink(c, job, go, m->row + m->rows))
         partition_area(job->partition, m->unit, a);
     if (m->last &&
         (m->row + m->rows < a->height || !handoff_complete(job, m->unit))) {
@@ -295,7 +295,7 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
         return;
     }
     duplicate_keep(job, index, m, a->height);
-    u = &job->units[m->unit]; /* attempt_shrink() may have added a unit */
+    u = &job->units[m->unit]; /* holding_shrink() may have added a unit */
     u->next_row += m->rows;
     u->row_ms = c->now_ms;
     if (m->last) {
@@ -382,7 +382,7 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
         } else {
             desk_send_attempt(c, job, MSG_REVOKE, go);
         }
-        attempt_release(c, job, go);
+        holding_end(c, job, go);
     }
 }
 

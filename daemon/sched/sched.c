@@ -19,7 +19,7 @@
 #include "sched/sched.h"
 
 #include "desk/desk.h"
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "desk/linking.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
@@ -193,7 +193,7 @@ is_kept_out(const struct coord *c, const struct job *job,
     for (size_t i = 0; i < c->nbegun; i++) {
         const struct job *o = c->jobs[i];
 
-        if (o != job && o->served != c->serving && attempt_has_any(o, w))
+        if (o != job && o->served != c->serving && holding_has_any(o, w))
             return true;
     }
     return false;
@@ -296,7 +296,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
 
     recall(c, w);
     if (w->fills && !is_at_passes(c, w))
-        attempt_fill(w, NULL); /* its threads no longer count for that job */
+        holding_fill(w, NULL); /* its threads no longer count for that job */
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     turn_begin(c, w);
@@ -383,7 +383,7 @@ sched_job_over(struct coord *c, struct job *job)
 {
     speed_keep(c, job);
     while (job->nout > 0)
-        attempt_release(c, job, job->units[job->out[0]].go);
+        holding_end(c, job, job->units[job->out[0]].go);
     for (struct coord_worker *w = c->workers; w; w = w->next) {
         uint32_t index = desk_index(job, w);
 
@@ -392,7 +392,7 @@ sched_job_over(struct coord *c, struct job *job)
             actions_add(&c->actions, ACT_DROP_FILES, w->conn);
         }
         if (w->fills == job)
-            attempt_fill(w, NULL);
+            holding_fill(w, NULL);
         if (index == JOB_NOBODY)
             continue;
         if (part_is_here(&job->workers[index]))

@@ -3,8 +3,8 @@
 
 #include "sched/sched.h"
 
-#include "desk/attempt.h"
 #include "desk/desk.h"
+#include "desk/holding.h"
 #include "desk/speed.h"
 #include "jobs/go.h"
 #include "jobs/job.h"
@@ -50,7 +50,7 @@ sched_tick(struct coord *c)
         if (job_over(job))
             continue;
         progress_pace(job, c->now_ms,
-                      job->state == JOB_RUNNING ? attempt_workers(job) : 0);
+                      job->state == JOB_RUNNING ? holding_workers(job) : 0);
         if (!job->partition)
             continue;
         speed_measure(c, job);

@@ -12,8 +12,8 @@
 
 #include "sched/survey.h"
 
-#include "desk/attempt.h"
 #include "desk/desk.h"
+#include "desk/holding.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "jobs/part.h"
@@ -145,7 +145,7 @@ survey_end(struct job *job)
     survey_free(job->survey);
     job->survey = NULL;
     for (uint32_t i = 0; i < job->nworkers; i++)
-        attempt_survey(job, i, 0);
+        holding_survey(job, i, 0);
 }
 
 /* Let units go out, by the costs that are known. */
@@ -180,7 +180,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
         return false;
     k->holders++;
     k->out_ms = c->now_ms;
-    attempt_survey(job, index, (uint32_t)(k - s->chunk) + 1);
+    holding_survey(job, index, (uint32_t)(k - s->chunk) + 1);
     if (s->begin_ms == 0)
         s->begin_ms = c->now_ms;
     if (job->state == JOB_WAITING)
@@ -196,7 +196,7 @@ survey_lost(struct job *job, uint32_t index)
 
     if (job->survey && jw->surveying)
         job->survey->chunk[jw->surveying - 1].holders--;
-    attempt_survey(job, index, 0);
+    holding_survey(job, index, 0);
 }
 
 /* --- back --- */

@@ -3,7 +3,7 @@
 
 #include "sched/turn.h"
 
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "filling/passes.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
@@ -46,7 +46,7 @@ threads_beside(const struct job *job, const struct coord_worker *w)
 static bool
 is_at(const struct job *job, const struct coord_worker *w)
 {
-    return w->fills == job || attempt_has_any(job, w);
+    return w->fills == job || holding_has_any(job, w);
 }
 
 bool

@@ -13,7 +13,7 @@
 #include "sched/yield.h"
 
 #include "desk/desk.h"
-#include "desk/attempt.h"
+#include "desk/holding.h"
 #include "filling/passes.h"
 #include "filling/tiles.h"
 #include "jobs/job.h"
@@ -80,7 +80,7 @@ give_back(struct coord *c, struct job *job, struct job_go *go)
         return;
     }
     desk_log_unit(c, job, go, "unit yield");
-    attempt_step(c, job, go, GO_YIELDING);
+    holding_step(c, job, go, GO_YIELDING);
     go->yield_ms = c->now_ms;
     desk_send_attempt(c, job, MSG_YIELD, go);
 }

@@ -1,10 +1,10 @@
-/* attempt.c - see attempt.h
+/* holding.c - see holding.h
  *
  * Begins and ends attempts, and counts each worker's attempts by their states
  * (go.c), in each job and in all jobs together. */
 #include "config.h"
 
-#include "desk/attempt.h"
+#include "desk/holding.h"
 
 #include "desk/desk.h"
 #include "desk/duplicate.h"
@@ -14,7 +14,7 @@
 #include "jobs/unit.h"
 
 bool
-attempt_has_any(const struct job *job, const struct coord_worker *w)
+holding_has_any(const struct job *job, const struct coord_worker *w)
 {
     uint32_t index = desk_index(job, w);
 
@@ -22,7 +22,7 @@ attempt_has_any(const struct job *job, const struct coord_worker *w)
 }
 
 uint32_t
-attempt_workers(const struct job *job)
+holding_workers(const struct job *job)
 {
     uint32_t n = 0;
 
@@ -38,7 +38,7 @@ attempt_workers(const struct job *job)
 }
 
 void
-attempt_rate(const struct coord *c, struct coord_worker *w)
+holding_rate(const struct coord *c, struct coord_worker *w)
 {
     w->priority = INT64_MIN;
     for (size_t i = 0; w->in_flight > 0 && i < c->nbegun; i++) {
@@ -66,7 +66,7 @@ count_threads(struct job *job, struct job_worker *jw)
 }
 
 void
-attempt_fill(struct coord_worker *w, struct job *job)
+holding_fill(struct coord_worker *w, struct job *job)
 {
     struct job *old = w->fills;
 
@@ -78,15 +78,15 @@ attempt_fill(struct coord_worker *w, struct job *job)
 }
 
 void
-attempt_survey(struct job *job, uint32_t index, uint32_t chunk)
+holding_survey(struct job *job, uint32_t index, uint32_t chunk)
 {
     struct coord_worker *w = job->workers[index].worker;
 
     job->workers[index].surveying = chunk;
     if (chunk > 0)
-        attempt_fill(w, job);
+        holding_fill(w, job);
     else if (w->fills == job)
-        attempt_fill(w, NULL);
+        holding_fill(w, NULL);
 }
 
 static void
@@ -96,7 +96,7 @@ more_in_flight(struct job *job, struct job_go *go)
 
     jw->in_flight++;
     count_threads(job, jw);
-    attempt_fill(jw->worker, NULL);
+    holding_fill(jw->worker, NULL);
     if (jw->worker->in_flight++ == 0 ||
         job->spec.priority > jw->worker->priority)
         jw->worker->priority = job->spec.priority;
@@ -109,7 +109,7 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw)
     count_threads(job, jw);
     jw->worker->in_flight--;
     if (jw->in_flight == 0)
-        attempt_rate(c, jw->worker);
+        holding_rate(c, jw->worker);
     if (jw->worker->in_flight > 0)
         return;
     jw->worker->alone = false;
@@ -117,7 +117,7 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw)
 }
 
 void
-attempt_step(struct coord *c, struct job *job, struct job_go *go,
+holding_step(struct coord *c, struct job *job, struct job_go *go,
              enum go_state to)
 {
     struct job_worker *jw = &job->workers[go->worker];
@@ -143,8 +143,8 @@ attempt_step(struct coord *c, struct job *job, struct job_go *go,
 }
 
 struct job_go *
-attempt_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-            uint32_t attempt)
+holding_begin(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
+              uint32_t attempt)
 {
     struct job_go *go = go_add(job, unit);
 
@@ -153,12 +153,12 @@ attempt_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     go->worker = index;
     go->attempt = attempt;
     go->out_ms = c->now_ms;
-    attempt_step(c, job, go, GO_WORKING);
+    holding_step(c, job, go, GO_WORKING);
     return go;
 }
 
 void
-attempt_top_made(struct coord *c, struct job *job, struct job_go *go)
+holding_top_made(struct coord *c, struct job *job, struct job_go *go)
 {
     struct partition_area a;
     uint32_t first, last;
@@ -173,7 +173,7 @@ attempt_top_made(struct coord *c, struct job *job, struct job_go *go)
 }
 
 void
-attempt_send_back(struct coord *c, const struct coord_worker *to,
+holding_send_back(struct coord *c, const struct coord_worker *to,
                   const struct msg_back *back)
 {
     struct msg m = { .type = MSG_BACK, .back = *back };
@@ -194,27 +194,27 @@ end_loan(struct coord *c, struct job *job, const struct job_go *loan)
     if (to->state == GO_DELIVERED)
         return;
     partition_unit_lines(job->partition, loan->unit, &first, &last);
-    attempt_send_back(c, job->workers[to->worker].worker,
+    holding_send_back(c, job->workers[to->worker].worker,
                       &(struct msg_back){ job->id, loan->unit, to->attempt,
                                           last - 1, loan->lending.x,
                                           loan->lending.n });
     if (to->state == GO_BLOCKED)
-        attempt_step(c, job, to, GO_WORKING);
+        holding_step(c, job, to, GO_WORKING);
 }
 
 void
-attempt_release(struct coord *c, struct job *job, struct job_go *go)
+holding_end(struct coord *c, struct job *job, struct job_go *go)
 {
     if (go->origin == GO_LOAN)
         end_loan(c, job, go);
-    attempt_step(c, job, go, GO_OVER);
+    holding_step(c, job, go, GO_OVER);
     if (job->shared)
-        attempt_top_made(c, job, go);
+        holding_top_made(c, job, go);
     go_remove(job, go);
 }
 
 void
-attempt_forget_rows(struct job *job, uint32_t unit)
+holding_forget_rows(struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
     struct partition_area a;
@@ -229,7 +229,7 @@ attempt_forget_rows(struct job *job, uint32_t unit)
 }
 
 bool
-attempt_shrink(struct coord *c, struct job *job, struct job_go *go,
+holding_shrink(struct coord *c, struct job *job, struct job_go *go,
                uint32_t height)
 {
     uint32_t given = height >= job->units[go->unit].next_row
@@ -246,13 +246,13 @@ attempt_shrink(struct coord *c, struct job *job, struct job_go *go,
 }
 
 bool
-attempt_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
+holding_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
     struct job_go *go;
 
     unit_take(job, unit);
-    go = attempt_add(c, job, index, unit, u->lead);
+    go = holding_begin(c, job, index, unit, u->lead);
     if (!go) {
         c->actions.failed = true;
         return false;
