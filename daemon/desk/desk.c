@@ -177,28 +177,28 @@ desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job, uint32_t unit,
 
 void
 desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
-                  const struct job_go *go)
+                  const struct job_attempt *attempt)
 {
-    const struct coord_worker *w = job->workers[go->worker].worker;
+    const struct coord_worker *w = job->workers[attempt->worker].worker;
     struct msg m = { .type = type,
-                     .revoke = { job->id, go->unit, go->attempt } };
+                     .revoke = { job->id, attempt->unit, attempt->number } };
 
     if (w->conn != 0)
         actions_send(&c->actions, w->conn, &m);
 }
 
 void
-desk_log_unit(struct coord *c, const struct job *job, const struct job_go *go,
-              const char *what)
+desk_log_unit(struct coord *c, const struct job *job,
+              const struct job_attempt *attempt, const char *what)
 {
     struct partition_area a;
 
-    partition_area(job->partition, go->unit, &a);
+    partition_area(job->partition, attempt->unit, &a);
     actions_log(&c->actions, ACT_DEBUG,
                 "%s job=%s unit=%u attempt=%u worker=%s frame=%u x=%u y=%u "
                 "width=%u height=%u",
-                what, job->hex, go->unit, go->attempt,
-                job->workers[go->worker].name, a.frame, a.x, a.y, a.width,
+                what, job->hex, attempt->unit, attempt->number,
+                job->workers[attempt->worker].name, a.frame, a.x, a.y, a.width,
                 a.height);
 }
 

@@ -151,13 +151,13 @@ bool desk_unfetched(const struct coord *c, const struct job *job);
 void desk_late(struct job *job, uint32_t index, bool late);
 /* Log an attempt at a unit, for debugging. */
 void desk_log_unit(struct coord *c, const struct job *job,
-                   const struct job_go *go, const char *what);
+                   const struct job_attempt *attempt, const char *what);
 void desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
                    uint32_t unit, uint32_t attempt, uint32_t row,
                    uint32_t rows);
 /* Send REVOKE, TWIN, SPLIT or YIELD for the attempt to its worker. */
 void desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
-                       const struct job_go *go);
+                       const struct job_attempt *attempt);
 /* Send ambient records of the job to connections that watch it. */
 void desk_send_records(struct coord *c, const struct job *job,
                        const struct msg_records *r);

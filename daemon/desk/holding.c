@@ -1,7 +1,7 @@
 /* holding.c - see holding.h
  *
  * Begins and ends attempts, and counts each worker's attempts by their states
- * (go.c), in each job and in all jobs together. */
+ * (attempt.c), in each job and in all jobs together. */
 #include "config.h"
 
 #include "desk/holding.h"
@@ -9,7 +9,7 @@
 #include "desk/desk.h"
 #include "desk/duplicate.h"
 #include "desk/speed.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/part.h"
 #include "jobs/unit.h"
 
@@ -90,9 +90,9 @@ holding_survey(struct job *job, uint32_t index, uint32_t chunk)
 }
 
 static void
-more_in_flight(struct job *job, struct job_go *go)
+more_in_flight(struct job *job, struct job_attempt *attempt)
 {
-    struct job_worker *jw = &job->workers[go->worker];
+    struct job_worker *jw = &job->workers[attempt->worker];
 
     jw->in_flight++;
     count_threads(job, jw);
@@ -117,57 +117,58 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw)
 }
 
 void
-holding_step(struct coord *c, struct job *job, struct job_go *go,
-             enum go_state to)
+holding_step(struct coord *c, struct job *job, struct job_attempt *attempt,
+             enum attempt_state to)
 {
-    struct job_worker *jw = &job->workers[go->worker];
-    enum go_state from = go->state;
-    bool waited = go_waits(go), waits;
+    struct job_worker *jw = &job->workers[attempt->worker];
+    enum attempt_state from = attempt->state;
+    bool waited = attempt_waits(attempt), waits;
 
     speed_touch(c, jw);
-    go_step(go, to);
-    waits = go_waits(go);
+    attempt_step(attempt, to);
+    waits = attempt_waits(attempt);
     if (waited && waits)
         return;
     jw->parked += waits - waited;
     jw->worker->parked += waits - waited;
-    jw->worker->delivered += (to == GO_DELIVERED) - (from == GO_DELIVERED);
-    if (from == GO_WORKING)
+    jw->worker->delivered +=
+        (to == ATTEMPT_DELIVERED) - (from == ATTEMPT_DELIVERED);
+    if (from == ATTEMPT_WORKING)
         less_in_flight(c, job, jw);
-    if (to == GO_WORKING)
-        more_in_flight(job, go);
+    if (to == ATTEMPT_WORKING)
+        more_in_flight(job, attempt);
     else
         c->stirred = true;
     if (waits)
-        go->parked_ms = c->now_ms;
+        attempt->parked_ms = c->now_ms;
 }
 
-struct job_go *
+struct job_attempt *
 holding_begin(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-              uint32_t attempt)
+              uint32_t number)
 {
-    struct job_go *go = go_add(job, unit);
+    struct job_attempt *attempt = attempt_add(job, unit);
 
-    if (!go)
+    if (!attempt)
         return NULL;
-    go->worker = index;
-    go->attempt = attempt;
-    go->out_ms = c->now_ms;
-    holding_step(c, job, go, GO_WORKING);
-    return go;
+    attempt->worker = index;
+    attempt->number = number;
+    attempt->out_ms = c->now_ms;
+    holding_step(c, job, attempt, ATTEMPT_WORKING);
+    return attempt;
 }
 
 void
-holding_top_made(struct coord *c, struct job *job, struct job_go *go)
+holding_top_made(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
     struct partition_area a;
     uint32_t first, last;
 
-    if (!go->handoff.makes_top)
+    if (!attempt->handoff.makes_top)
         return;
-    partition_area(job->partition, go->unit, &a);
-    partition_unit_lines(job->partition, go->unit, &first, &last);
-    go->handoff.makes_top = false;
+    partition_area(job->partition, attempt->unit, &a);
+    partition_unit_lines(job->partition, attempt->unit, &first, &last);
+    attempt->handoff.makes_top = false;
     partition_keep_line(job->partition, a.frame, first - 1, false);
     c->stirred = true;
 }
@@ -183,34 +184,35 @@ holding_send_back(struct coord *c, const struct coord_worker *to,
 }
 
 static void
-end_loan(struct coord *c, struct job *job, const struct job_go *loan)
+end_loan(struct coord *c, struct job *job, const struct job_attempt *loan)
 {
-    struct job_go *to = go_of_attempt(job, loan->unit, loan->lending.lender);
+    struct job_attempt *to =
+        attempt_of_number(job, loan->unit, loan->lending.lender);
     uint32_t first, last;
 
     if (!to)
         return;
     to->lending.loans--;
-    if (to->state == GO_DELIVERED)
+    if (to->state == ATTEMPT_DELIVERED)
         return;
     partition_unit_lines(job->partition, loan->unit, &first, &last);
     holding_send_back(c, job->workers[to->worker].worker,
-                      &(struct msg_back){ job->id, loan->unit, to->attempt,
+                      &(struct msg_back){ job->id, loan->unit, to->number,
                                           last - 1, loan->lending.x,
                                           loan->lending.n });
-    if (to->state == GO_BLOCKED)
-        holding_step(c, job, to, GO_WORKING);
+    if (to->state == ATTEMPT_BLOCKED)
+        holding_step(c, job, to, ATTEMPT_WORKING);
 }
 
 void
-holding_end(struct coord *c, struct job *job, struct job_go *go)
+holding_end(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
-    if (go->origin == GO_LOAN)
-        end_loan(c, job, go);
-    holding_step(c, job, go, GO_OVER);
+    if (attempt->origin == ATTEMPT_LOAN)
+        end_loan(c, job, attempt);
+    holding_step(c, job, attempt, ATTEMPT_OVER);
     if (job->shared)
-        holding_top_made(c, job, go);
-    go_remove(job, go);
+        holding_top_made(c, job, attempt);
+    attempt_remove(job, attempt);
 }
 
 void
@@ -229,18 +231,18 @@ holding_forget_rows(struct job *job, uint32_t unit)
 }
 
 bool
-holding_shrink(struct coord *c, struct job *job, struct job_go *go,
+holding_shrink(struct coord *c, struct job *job, struct job_attempt *attempt,
                uint32_t height)
 {
-    uint32_t given = height >= job->units[go->unit].next_row
-                         ? partition_give(job->partition, go->unit, height)
+    uint32_t given = height >= job->units[attempt->unit].next_row
+                         ? partition_give(job->partition, attempt->unit, height)
                          : PARTITION_NONE;
 
     if (given == PARTITION_NONE)
         return false;
     if (!unit_grow(job))
         c->actions.failed = true;
-    desk_keep_unit(c, job, go->unit);
+    desk_keep_unit(c, job, attempt->unit);
     desk_keep_unit(c, job, given);
     return true;
 }
@@ -249,15 +251,15 @@ bool
 holding_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_go *go;
+    struct job_attempt *attempt;
 
     unit_take(job, unit);
-    go = holding_begin(c, job, index, unit, u->lead);
-    if (!go) {
+    attempt = holding_begin(c, job, index, unit, u->lead);
+    if (!attempt) {
         c->actions.failed = true;
         return false;
     }
     if (u->out_ms != 0)
-        go->out_ms = u->out_ms; /* so its lease does not begin anew */
+        attempt->out_ms = u->out_ms; /* so its lease does not begin anew */
     return true;
 }

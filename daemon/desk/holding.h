@@ -9,15 +9,16 @@
 
 /* Begin an attempt at a unit by the job's worker of this index; NULL: the unit
  * has too many attempts, or memory is out. */
-struct job_go *holding_begin(struct coord *c, struct job *job, uint32_t index,
-                             uint32_t unit, uint32_t attempt);
+struct job_attempt *holding_begin(struct coord *c, struct job *job,
+                                  uint32_t index, uint32_t unit,
+                                  uint32_t number);
 /* Begin again the attempt that led a unit before the unit was lost: its worker
  * still works on the unit, or sent rows of it.  False: memory is out. */
 bool holding_revive(struct coord *c, struct job *job, uint32_t index,
                     uint32_t unit);
 /* Change the attempt's state, and the worker's counts of attempts. */
-void holding_step(struct coord *c, struct job *job, struct job_go *go,
-                  enum go_state to);
+void holding_step(struct coord *c, struct job *job, struct job_attempt *attempt,
+                  enum attempt_state to);
 /* The worker makes tiles for the job from now on, or with NULL for none: its
  * threads count for the job's payer between tiles, too, until it gets a unit,
  * or tiles of another job. */
@@ -28,14 +29,15 @@ void holding_survey(struct job *job, uint32_t index, uint32_t chunk);
 /* Cut a unit after `height` rows, which are all that the attempt will do: the
  * rest becomes a new unit.  False: no line ends after so many rows, or more
  * rows have come. */
-bool holding_shrink(struct coord *c, struct job *job, struct job_go *go,
-                    uint32_t height);
+bool holding_shrink(struct coord *c, struct job *job,
+                    struct job_attempt *attempt, uint32_t height);
 /* End the attempt and free it; pointers to other attempts at the unit become
  * invalid. */
-void holding_end(struct coord *c, struct job *job, struct job_go *go);
+void holding_end(struct coord *c, struct job *job, struct job_attempt *attempt);
 /* Note that the attempt has made the base line above its unit, or will not make
  * it: if the attempt was to, the unit above may go to other workers again. */
-void holding_top_made(struct coord *c, struct job *job, struct job_go *go);
+void holding_top_made(struct coord *c, struct job *job,
+                      struct job_attempt *attempt);
 /* Send BACK to a worker: columns that it lent are its own again. */
 void holding_send_back(struct coord *c, const struct coord_worker *to,
                        const struct msg_back *back);

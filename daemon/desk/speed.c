@@ -12,7 +12,7 @@
 #include "desk/speed.h"
 
 #include "desk/desk.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/part.h"
 
 #include <math.h>
@@ -52,12 +52,12 @@ speed_touch(const struct coord *c, struct job_worker *jw)
 }
 
 void
-speed_finished(struct job *job, struct job_go *go)
+speed_finished(struct job *job, struct job_attempt *attempt)
 {
-    if (go->counted)
+    if (attempt->counted)
         return;
-    go->counted = true;
-    job->speed.finished += partition_cost(job->partition, go->unit);
+    attempt->counted = true;
+    job->speed.finished += partition_cost(job->partition, attempt->unit);
 }
 
 /* Rays that a thread of the worker traces in a ms of work; 0: not known yet. */
@@ -101,7 +101,7 @@ under_way(const struct job *job)
         const struct job_unit *u = &job->units[job->out[i]];
         struct partition_area a;
 
-        if (u->next_row == 0 || !go_works(&u->go[0]))
+        if (u->next_row == 0 || !attempt_works(&u->attempts[0]))
             continue;
         partition_area(job->partition, job->out[i], &a);
         sum += partition_cost(job->partition, job->out[i]) * u->next_row /
@@ -161,28 +161,29 @@ speed_cost(const struct job *job, uint32_t index, double ms)
 
 double
 speed_left_ms(const struct coord *c, const struct job *job,
-              const struct job_go *go)
+              const struct job_attempt *attempt)
 {
-    const struct job_worker *jw = &job->workers[go->worker];
-    const struct job_unit *u = &job->units[go->unit];
-    double cost = partition_cost(job->partition, go->unit), rate, ms, past;
+    const struct job_worker *jw = &job->workers[attempt->worker];
+    const struct job_unit *u = &job->units[attempt->unit];
+    double cost = partition_cost(job->partition, attempt->unit), rate, ms, past;
     struct partition_area a;
     double part;
 
     if (job->speed.pace <= 0) /* unknown: any large time, in order of costs */
         return 1e9 * cost / partition_cost_total(job->partition);
-    rate = speed_cost(job, go->worker, 1) / (jw->in_flight ? jw->in_flight : 1);
+    rate = speed_cost(job, attempt->worker, 1) /
+           (jw->in_flight ? jw->in_flight : 1);
     ms = cost / rate;
-    if (u->lead == go->attempt && u->next_row > 0) {
+    if (u->lead == attempt->number && u->next_row > 0) {
         /* at the attempt's own pace, since parts of a picture differ */
-        partition_area(job->partition, go->unit, &a);
+        partition_area(job->partition, attempt->unit, &a);
         part = (double)u->next_row / a.height;
-        return (double)(c->now_ms - go->out_ms) * (1 - part) /
+        return (double)(c->now_ms - attempt->out_ms) * (1 - part) /
                (part + LINES_FIRST);
     }
     /* a unit that is over its time may take as long again, or has waited for
      * another unit of its worker: the time left is never 0 */
-    past = fabs(ms - (double)(c->now_ms - go->out_ms));
+    past = fabs(ms - (double)(c->now_ms - attempt->out_ms));
     return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
 }
 

@@ -10,7 +10,7 @@
 void speed_touch(const struct coord *c, struct job_worker *jw);
 /* Count the unit's cost as worked off by the attempt's worker, once for each
  * attempt. */
-void speed_finished(struct job *job, struct job_go *go);
+void speed_finished(struct job *job, struct job_attempt *attempt);
 /* Compute the speeds of a job's workers, and the job's pace. */
 void speed_measure(const struct coord *c, struct job *job);
 /* The job is over: remember for other jobs how fast its workers were. */
@@ -24,7 +24,7 @@ void speed_took(struct job *job, uint64_t ms);
 uint32_t speed_median_ms(const struct job *job);
 /* How long an attempt will still need [ms]. */
 double speed_left_ms(const struct coord *c, const struct job *job,
-                     const struct job_go *go);
+                     const struct job_attempt *attempt);
 /* All costs are known: set the workers' shares of a static partition, so that
  * units may go out. */
 void speed_share(struct coord *c, struct job *job);

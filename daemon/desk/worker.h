@@ -21,9 +21,9 @@ struct coord_worker {
     uint64_t fingerprint;
     uint64_t since_ms;    /* when it was connected, or its connection ended */
     uint32_t id;          /* from 0, in the order of the workers' first HELLO */
-    uint32_t in_flight;   /* attempts of all jobs that are GO_WORKING */
-    uint32_t parked;      /* attempts that wait (go_waits()) */
-    uint32_t delivered;   /* attempts that are GO_DELIVERED */
+    uint32_t in_flight;   /* attempts of all jobs that are ATTEMPT_WORKING */
+    uint32_t parked;      /* attempts that wait (attempt_waits()) */
+    uint32_t delivered;   /* attempts that are ATTEMPT_DELIVERED */
     double relative;      /* speed of a thread in earlier jobs; 1: the mean */
     uint64_t free_ms;     /* when in_flight last became 0 */
     struct job *fills;    /* job whose tiles it makes or areas it estimates */

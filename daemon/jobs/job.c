@@ -187,7 +187,7 @@ free_work(struct job *job)
     partition_free(job->partition);
     kept_drop(&job->kept);
     for (uint32_t i = 0; i < job->nunits; i++) {
-        free(job->units[i].go);
+        free(job->units[i].attempts);
         free(job->units[i].hashes.row);
     }
     free(job->units);

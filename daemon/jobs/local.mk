@@ -1,9 +1,9 @@
 # what the coordinator knows of one job
 libdaemon_a_SOURCES += \
+	daemon/jobs/attempt.c \
+	daemon/jobs/attempt.h \
 	daemon/jobs/frame.c \
 	daemon/jobs/frame.h \
-	daemon/jobs/go.c \
-	daemon/jobs/go.h \
 	daemon/jobs/goal.c \
 	daemon/jobs/goal.h \
 	daemon/jobs/job.c \

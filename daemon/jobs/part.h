@@ -43,9 +43,9 @@ struct job_worker {
     uint64_t fingerprint;
 
     /* the worker's attempts (holding.c) */
-    uint32_t in_flight;       /* attempts that are GO_WORKING */
+    uint32_t in_flight;       /* attempts that are ATTEMPT_WORKING */
     uint32_t counted_threads; /* its threads, as counted for the job's payer */
-    uint32_t parked;          /* attempts that wait (go_waits()) */
+    uint32_t parked;          /* attempts that wait (attempt_waits()) */
 
     /* speed.c */
     uint64_t since_ms; /* work_ms is counted up to then */

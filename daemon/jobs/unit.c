@@ -10,9 +10,10 @@
  *              |                   SUSPECT                         |
  *              '-------- recovered with all its rows --------------'
  *
- * A unit that is OUT has attempts (go.c), but for the moment after its last
- * attempt ended.  A unit may be lost while its last rows are on their way to
- * the disk: when all are kept it is taken out of its queue again, and is DONE.
+ * A unit that is OUT has attempts (attempt.c), but for the moment after its
+ * last attempt ended.  A unit may be lost while its last rows are on their way
+ * to the disk: when all are kept it is taken out of its queue again, and is
+ * DONE.
  */
 #include "config.h"
 
@@ -60,7 +61,7 @@ unit_grow(struct job *job)
         u = &job->units[job->nunits];
         memset(u, 0, sizeof *u);
         u->worker = u->crasher = JOB_NOBODY;
-        u->attempt = unit_first_attempt(job);
+        u->latest = unit_first_attempt(job);
     }
     return true;
 }

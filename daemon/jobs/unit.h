@@ -6,7 +6,7 @@
 #ifndef DAEMON_UNIT_H
 #define DAEMON_UNIT_H
 
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "proto/message.h"
 
 struct steps;
@@ -29,7 +29,7 @@ struct unit_hashes {
 
 struct job_unit {
     enum unit_state state; /* changed by unit_step() alone */
-    uint32_t attempt;      /* number of the latest attempt; before the first in
+    uint32_t latest;       /* number of the latest attempt; before the first in
                             * this life of the coordinator, the number after
                             * which this life begins (unit_first_attempt()) */
     uint32_t tries;        /* how often the unit went out */
@@ -43,9 +43,9 @@ struct job_unit {
     uint32_t stored_rows; /* of these, rows that are on the disk */
     uint64_t row_ms;      /* when the last of these rows came */
     uint32_t slot;        /* the unit's place in job.out, while UNIT_OUT */
-    struct job_go *go;    /* attempts that are not over, room for JOB_MAX_GOES;
-                           * NULL: there are none */
-    uint8_t ngos;
+    struct job_attempt *attempts; /* that are not over, with room for
+                                   * JOB_MAX_ATTEMPTS; NULL: there are none */
+    uint8_t nattempts;
     uint8_t crashes;   /* children that the unit brought down */
     uint32_t crasher;  /* worker of the first of these children */
     uint8_t faults;    /* attempts that came incomplete */
@@ -66,7 +66,7 @@ struct job_unit {
 /* Which state may follow which; see the head of unit.c. */
 extern const struct steps unit_steps;
 /* Change the unit's state; the step must be in unit_steps.  Called by unit.c
- * and go.c alone. */
+ * and attempt.c alone. */
 void unit_step(struct job_unit *u, enum unit_state to);
 
 /* The number after which attempts of this life of the coordinator begin. */

@@ -17,7 +17,7 @@
 #include "desk/linking.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/part.h"
 #include "jobs/shared.h"
 #include "lines/lending.h"
@@ -51,9 +51,9 @@ unit_at(const struct job *job, uint32_t frame, uint32_t line)
 }
 
 static uint64_t
-conn_of(const struct job *job, const struct job_go *go)
+conn_of(const struct job *job, const struct job_attempt *attempt)
 {
-    return job->workers[go->worker].worker->conn;
+    return job->workers[attempt->worker].worker->conn;
 }
 
 /* --- out --- */
@@ -65,44 +65,44 @@ conn_of(const struct job *job, const struct job_go *go)
  * too (MSG_UNIT_TOP), and no other worker gets the line above until it is made.
  */
 uint8_t
-handoff_flags(struct job *job, struct job_go *go)
+handoff_flags(struct job *job, struct job_attempt *attempt)
 {
     uint32_t first, last;
-    uint32_t frame = lines_of_unit(job, go->unit, &first, &last);
-    uint8_t flags = job->units[go->unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
+    uint32_t frame = lines_of_unit(job, attempt->unit, &first, &last);
+    uint8_t flags = job->units[attempt->unit].nattempts > 1 ? MSG_UNIT_TWIN : 0;
 
-    if (flags == 0 && partition_unit_bars(job->partition, go->unit))
+    if (flags == 0 && partition_unit_bars(job->partition, attempt->unit))
         flags |= MSG_UNIT_BARS;
     if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
         unit_at(job, frame, first - 1) != PARTITION_NONE)
         return flags;
-    go->handoff.makes_top = true;
+    attempt->handoff.makes_top = true;
     partition_keep_line(job->partition, frame, first - 1, true);
     return flags | MSG_UNIT_TOP;
 }
 
 /* Is that line the top of the attempt's unit, which the attempt makes? */
 static bool
-is_making_top(const struct job *job, const struct job_go *go, uint32_t frame,
-              uint32_t line)
+is_making_top(const struct job *job, const struct job_attempt *attempt,
+              uint32_t frame, uint32_t line)
 {
     uint32_t first, last;
 
-    return go->handoff.makes_top &&
-           lines_of_unit(job, go->unit, &first, &last) == frame &&
+    return attempt->handoff.makes_top &&
+           lines_of_unit(job, attempt->unit, &first, &last) == frame &&
            first == line + 1;
 }
 
 static void
 send_facts(struct coord *c, const struct job *job, uint32_t frame,
-           uint32_t line, const struct job_go *go)
+           uint32_t line, const struct job_attempt *attempt)
 {
     const struct shared_facts *at = NULL;
     struct msg m = { .type = MSG_FACTS };
 
     while (shared_get_facts(job->shared, frame, line, &at, &m.facts)) {
         m.facts.job = job->id;
-        actions_send(&c->actions, conn_of(job, go), &m);
+        actions_send(&c->actions, conn_of(job, attempt), &m);
     }
 }
 
@@ -110,20 +110,20 @@ send_facts(struct coord *c, const struct job *job, uint32_t frame,
  * at the densities above the line of its top. */
 static void
 send_guess(struct coord *c, const struct job *job, uint32_t frame,
-           uint32_t first, const struct job_go *go)
+           uint32_t first, const struct job_attempt *attempt)
 {
     struct msg m = { .type = MSG_GUESS };
 
     if (first < 2 || !shared_get_guess(job->shared, frame, first - 2, &m.guess))
         return;
     m.guess.job = job->id;
-    actions_send(&c->actions, conn_of(job, go), &m);
+    actions_send(&c->actions, conn_of(job, attempt), &m);
 }
 
 /* Send the attempt what is here of a base line, and note if that is all. */
 static void
 send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
-          struct job_go *go)
+          struct job_attempt *attempt)
 {
     uint32_t x = 0, first = 0;
     struct msg m = { .type = MSG_BASE_LINE };
@@ -131,71 +131,71 @@ send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
     while (
         shared_get_base(job->shared, frame, line, &x, &first, &m.base_line)) {
         m.base_line.job = job->id;
-        actions_send(&c->actions, conn_of(job, go), &m);
+        actions_send(&c->actions, conn_of(job, attempt), &m);
         if (c->actions.n > 0)
             job->base_line_bytes += c->actions.v[c->actions.n - 1].len;
     }
-    go->handoff.top_sent = shared_whole_ms(job->shared, frame, line) != 0;
+    attempt->handoff.top_sent = shared_whole_ms(job->shared, frame, line) != 0;
 }
 
 /* Tell the workers of the unit above which worker waits for the unit's bottom.
  */
 static void
 send_next_holder(struct coord *c, struct job *job, uint32_t above,
-                 uint32_t frame, uint32_t line, const struct job_go *below)
+                 uint32_t frame, uint32_t line, const struct job_attempt *below)
 {
     const struct job_unit *u = &job->units[above];
     struct msg m = { .type = MSG_NEXT_HOLDER,
                      .next_holder = { job->id, frame, line,
                                       job->workers[below->worker].name } };
 
-    for (uint8_t i = 0; i < u->ngos; i++) {
-        if (u->go[i].origin == GO_LOAN)
+    for (uint8_t i = 0; i < u->nattempts; i++) {
+        if (u->attempts[i].origin == ATTEMPT_LOAN)
             continue;
-        linking_need(c, job, u->go[i].worker, below->worker);
-        actions_send(&c->actions, conn_of(job, &u->go[i]), &m);
+        linking_need(c, job, u->attempts[i].worker, below->worker);
+        actions_send(&c->actions, conn_of(job, &u->attempts[i]), &m);
     }
 }
 
 /* An attempt begins: tell the workers of the unit above of it, and its worker
  * of the unit below, and link them. */
 static void
-introduce(struct coord *c, struct job *job, const struct job_go *go)
+introduce(struct coord *c, struct job *job, const struct job_attempt *attempt)
 {
     uint32_t first, last, other;
-    uint32_t frame = lines_of_unit(job, go->unit, &first, &last);
+    uint32_t frame = lines_of_unit(job, attempt->unit, &first, &last);
 
     other = first > 0 ? unit_at(job, frame, first - 1) : PARTITION_NONE;
-    if (other != PARTITION_NONE && job->units[go->unit].ngos == 1)
-        send_next_holder(c, job, other, frame, first - 1, go);
+    if (other != PARTITION_NONE && job->units[attempt->unit].nattempts == 1)
+        send_next_holder(c, job, other, frame, first - 1, attempt);
     other = unit_at(job, frame, last);
-    if (other != PARTITION_NONE && job->units[other].ngos > 0) {
+    if (other != PARTITION_NONE && job->units[other].nattempts > 0) {
         struct msg m = { .type = MSG_NEXT_HOLDER };
-        const struct job_go *below = &job->units[other].go[0];
+        const struct job_attempt *below = &job->units[other].attempts[0];
 
         m.next_holder =
             (struct msg_next_holder){ job->id, frame, last - 1,
                                       job->workers[below->worker].name };
-        linking_need(c, job, go->worker, below->worker);
-        actions_send(&c->actions, conn_of(job, go), &m);
+        linking_need(c, job, attempt->worker, below->worker);
+        actions_send(&c->actions, conn_of(job, attempt), &m);
     }
 }
 
 void
-handoff_out(struct coord *c, struct job *job, struct job_go *go)
+handoff_out(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
     uint32_t first, last;
-    uint32_t frame = lines_of_unit(job, go->unit, &first, &last);
+    uint32_t frame = lines_of_unit(job, attempt->unit, &first, &last);
 
     if (first > 0 && shared_whole_ms(job->shared, frame, first - 1) == 0) {
-        send_facts(c, job, frame, first - 1, go);
-        send_guess(c, job, frame, first, go);
+        send_facts(c, job, frame, first - 1, attempt);
+        send_guess(c, job, frame, first, attempt);
     }
     for (uint32_t i = first; i < last; i++)
-        send_facts(c, job, frame, i, go);
+        send_facts(c, job, frame, i, attempt);
     if (first > 0)
-        send_base(c, job, frame, first - 1, go);
-    introduce(c, job, go);
+        send_base(c, job, frame, first - 1, attempt);
+    introduce(c, job, attempt);
 }
 
 /* Facts are not sent: the worker's child still has them. */
@@ -205,13 +205,13 @@ handoff_back(struct coord *c, struct job *job, uint32_t index)
     for (uint32_t i = 0; i < job->nout; i++) {
         uint32_t unit = job->out[i], first, last;
         uint32_t frame = lines_of_unit(job, unit, &first, &last);
-        struct job_go *go = go_of_worker(job, unit, index);
+        struct job_attempt *attempt = attempt_of_worker(job, unit, index);
 
-        if (!go || go->origin != GO_RESUMED)
+        if (!attempt || attempt->origin != ATTEMPT_RESUMED)
             continue;
         if (first > 0)
-            send_base(c, job, frame, first - 1, go);
-        introduce(c, job, go);
+            send_base(c, job, frame, first - 1, attempt);
+        introduce(c, job, attempt);
     }
 }
 
@@ -219,9 +219,10 @@ handoff_back(struct coord *c, struct job *job, uint32_t index)
 
 /* Does another worker's attempt at a unit still trace on a guess at its top? */
 static bool
-is_guessing(const struct job_go *go, uint32_t from)
+is_guessing(const struct job_attempt *attempt, uint32_t from)
 {
-    return go->worker != from && !go->handoff.top_sent && go->origin != GO_LOAN;
+    return attempt->worker != from && !attempt->handoff.top_sent &&
+           attempt->origin != ATTEMPT_LOAN;
 }
 
 /* Facts of a unit's bottom line are a guess at the top of the unit below: with
@@ -238,19 +239,19 @@ pass_below(struct coord *c, const struct job *job, uint32_t from,
         return;
     partition_unit_lines(job->partition, below, &first, &last);
     u = &job->units[below];
-    for (uint8_t i = 0; i < u->ngos && first == m->line + 1; i++)
-        if (is_guessing(&u->go[i], from))
-            actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
+    for (uint8_t i = 0; i < u->nattempts && first == m->line + 1; i++)
+        if (is_guessing(&u->attempts[i], from))
+            actions_send(&c->actions, conn_of(job, &u->attempts[i]), pass);
 }
 
 /* Can the attempt use facts of the line?  A loan cannot. */
 static bool
-wants(const struct job *job, const struct job_go *go, uint32_t line)
+wants(const struct job *job, const struct job_attempt *attempt, uint32_t line)
 {
     uint32_t first, last;
 
-    partition_unit_lines(job->partition, go->unit, &first, &last);
-    return go->origin != GO_LOAN && line + 1 >= first && line < last;
+    partition_unit_lines(job->partition, attempt->unit, &first, &last);
+    return attempt->origin != ATTEMPT_LOAN && line + 1 >= first && line < last;
 }
 
 /* Send facts on to the other workers that have the line now. */
@@ -266,10 +267,11 @@ pass_on(struct coord *c, const struct job *job, uint32_t from,
         return;
     u = &job->units[unit];
     pass.facts.job = job->id;
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].worker != from && wants(job, &u->go[i], m->line))
-            actions_send(&c->actions, conn_of(job, &u->go[i]), &pass);
-    if (go_of_worker(job, unit, from))
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (u->attempts[i].worker != from &&
+            wants(job, &u->attempts[i], m->line))
+            actions_send(&c->actions, conn_of(job, &u->attempts[i]), &pass);
+    if (attempt_of_worker(job, unit, from))
         pass_below(c, job, from, &pass);
 }
 
@@ -293,12 +295,12 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
           const struct msg_facts *m)
 {
     uint32_t below = unit_at(job, m->frame, m->line + 1);
-    struct job_go *go =
-        below != PARTITION_NONE ? go_of_worker(job, below, index) : NULL;
+    struct job_attempt *attempt =
+        below != PARTITION_NONE ? attempt_of_worker(job, below, index) : NULL;
 
-    if (go && is_making_top(job, go, m->frame, m->line) &&
+    if (attempt && is_making_top(job, attempt, m->frame, m->line) &&
         shared_of_base(job->shared, m))
-        holding_top_made(c, job, go);
+        holding_top_made(c, job, attempt);
 }
 
 void
@@ -342,27 +344,28 @@ handoff_guess(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     }
     unit = unit_at(job, m->frame, m->line + 1);
-    if (unit == PARTITION_NONE || !go_of_worker(job, unit, index) ||
+    if (unit == PARTITION_NONE || !attempt_of_worker(job, unit, index) ||
         !shared_put_guess(job->shared, m))
         return;
     below = unit_at(job, m->frame, m->line + 2);
     if (below == PARTITION_NONE || below == unit)
         return;
     u = &job->units[below];
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (is_guessing(&u->go[i], index))
-            send_guess(c, job, m->frame, m->line + 2, &u->go[i]);
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (is_guessing(&u->attempts[i], index))
+            send_guess(c, job, m->frame, m->line + 2, &u->attempts[i]);
 }
 
 /* Can some worker of the unit above send the attempt its bottom itself? */
 static bool
 can_link(const struct job *job, const struct job_unit *above,
-         const struct job_go *below)
+         const struct job_attempt *below)
 {
     const struct coord_worker *b = job->workers[below->worker].worker;
 
-    for (uint8_t i = 0; i < above->ngos; i++) {
-        const struct coord_worker *a = job->workers[above->go[i].worker].worker;
+    for (uint8_t i = 0; i < above->nattempts; i++) {
+        const struct coord_worker *a =
+            job->workers[above->attempts[i].worker].worker;
 
         if (a == b || linking_can(a, b))
             return true;
@@ -386,14 +389,14 @@ offer_top(struct coord *c, struct job *job, uint32_t unit)
     above = unit_at(job, frame, first - 1);
     if (whole_ms == 0 || above == PARTITION_NONE)
         return;
-    for (uint8_t i = 0; i < u->ngos; i++) {
-        struct job_go *go = &u->go[i];
+    for (uint8_t i = 0; i < u->nattempts; i++) {
+        struct job_attempt *attempt = &u->attempts[i];
 
-        if (go->parked_ms != 0 && go->state != GO_DELIVERED &&
-            !go->handoff.top_sent &&
+        if (attempt->parked_ms != 0 && attempt->state != ATTEMPT_DELIVERED &&
+            !attempt->handoff.top_sent &&
             (c->now_ms - whole_ms >= LINK_MS ||
-             !can_link(job, &job->units[above], go)))
-            send_base(c, job, frame, first - 1, go);
+             !can_link(job, &job->units[above], attempt)))
+            send_base(c, job, frame, first - 1, attempt);
     }
 }
 
@@ -408,9 +411,9 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
     offer_top(c, job, unit);
     u->whole = false; /* its lines are gone over again: some can be given away
                        */
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].state == GO_PARKED)
-            holding_step(c, job, &u->go[i], GO_WORKING);
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (u->attempts[i].state == ATTEMPT_PARKED)
+            holding_step(c, job, &u->attempts[i], ATTEMPT_WORKING);
 }
 
 /* May the worker send lines of the unit?  It has an attempt, or had the last
@@ -420,8 +423,8 @@ may_make(const struct job *job, uint32_t unit, uint32_t index)
 {
     const struct job_unit *u = &job->units[unit];
 
-    return go_of_worker(job, unit, index) ||
-           (u->ngos == 0 && u->worker == index);
+    return attempt_of_worker(job, unit, index) ||
+           (u->nattempts == 0 && u->worker == index);
 }
 
 void
@@ -464,23 +467,25 @@ handoff_parked(struct coord *c, struct coord_worker *w, const struct msg *msg)
     const struct msg_attempt *m = &msg->parked;
     uint32_t index;
     struct job *job = job_with_lines(c, w, m->job, &index);
-    struct job_go *go;
+    struct job_attempt *attempt;
 
     if (!job || m->unit >= job->nunits)
         return;
-    go = go_find(job, m->unit, index, m->attempt);
-    if (!go || go->origin == GO_LOAN || go->state != GO_WORKING ||
-        (go->parked_ms != 0 && go->lending.line_ms == 0))
+    attempt = attempt_find(job, m->unit, index, m->attempt);
+    if (!attempt || attempt->origin == ATTEMPT_LOAN ||
+        attempt->state != ATTEMPT_WORKING ||
+        (attempt->parked_ms != 0 && attempt->lending.line_ms == 0))
         return;
-    desk_log_unit(c, job, go, "unit parked");
-    holding_top_made(c, job, go);
-    speed_finished(job, go);
-    if (lending_parked(c, go))
-        holding_step(c, job, go, GO_BLOCKED);
+    desk_log_unit(c, job, attempt, "unit parked");
+    holding_top_made(c, job, attempt);
+    speed_finished(job, attempt);
+    if (lending_parked(c, attempt))
+        holding_step(c, job, attempt, ATTEMPT_BLOCKED);
     else if (!has_work_to_come(job, m->unit))
-        holding_step(c, job, go, GO_PARKED);
+        holding_step(c, job, attempt, ATTEMPT_PARKED);
     else
-        go->parked_ms = c->now_ms; /* the top is on its way to the attempt */
+        attempt->parked_ms =
+            c->now_ms; /* the top is on its way to the attempt */
     offer_top(c, job, m->unit);
 }
 
@@ -519,8 +524,8 @@ handoff_tick(struct coord *c, struct job *job)
         struct job_unit *u = &job->units[job->out[i]];
 
         offer_top(c, job, job->out[i]);
-        for (uint8_t k = 0; k < u->ngos; k++)
-            if (c->now_ms - u->go[k].out_ms >= TOP_UNMADE_MS)
-                holding_top_made(c, job, &u->go[k]);
+        for (uint8_t k = 0; k < u->nattempts; k++)
+            if (c->now_ms - u->attempts[k].out_ms >= TOP_UNMADE_MS)
+                holding_top_made(c, job, &u->attempts[k]);
     }
 }

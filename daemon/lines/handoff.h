@@ -18,10 +18,10 @@ void handoff_parked(struct coord *c, struct coord_worker *w,
 
 /* The flags of the UNIT message for an attempt that begins.  May also have it
  * make the unit's top. */
-uint8_t handoff_flags(struct job *job, struct job_go *go);
+uint8_t handoff_flags(struct job *job, struct job_attempt *attempt);
 /* Called when an attempt begins: send its worker the facts of the unit and as
  * much of its top as is here, and tell it and its neighbours of each other. */
-void handoff_out(struct coord *c, struct job *job, struct job_go *go);
+void handoff_out(struct coord *c, struct job *job, struct job_attempt *attempt);
 /* A worker came back and goes on with its units: as handoff_out(), but without
  * facts. */
 void handoff_back(struct coord *c, struct job *job, uint32_t index);

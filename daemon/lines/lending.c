@@ -14,7 +14,7 @@
 #include "desk/holding.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/progress.h"
@@ -61,51 +61,52 @@ line_time(const struct job *job, uint32_t unit, uint32_t index)
  * line that has taken longer than expected may take as long again. */
 static double
 lendable_ms(const struct coord *c, const struct job *job,
-            const struct job_go *go)
+            const struct job_attempt *attempt)
 {
     double ms;
 
-    if (go->lending.line_ms == 0)
-        return speed_left_ms(c, job, go);
-    ms = go->lending.line_left * line_time(job, go->unit, go->worker);
-    return fabs(ms - (double)(c->now_ms - go->lending.line_ms));
+    if (attempt->lending.line_ms == 0)
+        return speed_left_ms(c, job, attempt);
+    ms = attempt->lending.line_left *
+         line_time(job, attempt->unit, attempt->worker);
+    return fabs(ms - (double)(c->now_ms - attempt->lending.line_ms));
 }
 
 /* May the attempt be asked to lend?  Not if it can give whole lines away. */
 static bool
-may_lend(const struct job *job, const struct job_go *go)
+may_lend(const struct job *job, const struct job_attempt *attempt)
 {
     uint32_t first, last;
 
-    partition_unit_lines(job->partition, go->unit, &first, &last);
-    return go_works(go) && go->split_ms == 0 && go->lending.asked_ms == 0 &&
-           go->lending.blocked_ms == 0 &&
-           (job->units[go->unit].whole || last - first == 1 ||
+    partition_unit_lines(job->partition, attempt->unit, &first, &last);
+    return attempt_works(attempt) && attempt->split_ms == 0 &&
+           attempt->lending.asked_ms == 0 && attempt->lending.blocked_ms == 0 &&
+           (job->units[attempt->unit].whole || last - first == 1 ||
             !desk_splits(job));
 }
 
 /* Of the attempts that may lend, the one with the most time left; NULL: none.
  */
-static struct job_go *
+static struct job_attempt *
 choose_lender(const struct coord *c, const struct job *job)
 {
-    struct job_go *best = NULL;
+    struct job_attempt *best = NULL;
     double most = LEAST_LOAN_MS;
 
     for (uint32_t i = 0; i < job->nout; i++) {
         struct job_unit *u = &job->units[job->out[i]];
 
-        if (u->crashes > 0 || u->ngos >= JOB_MAX_GOES - 1)
+        if (u->crashes > 0 || u->nattempts >= JOB_MAX_ATTEMPTS - 1)
             continue;
-        for (uint8_t k = 0; k < u->ngos; k++) {
+        for (uint8_t k = 0; k < u->nattempts; k++) {
             double ms;
 
-            if (!may_lend(job, &u->go[k]))
+            if (!may_lend(job, &u->attempts[k]))
                 continue;
-            ms = lendable_ms(c, job, &u->go[k]);
+            ms = lendable_ms(c, job, &u->attempts[k]);
             if (ms >= most) {
                 most = ms;
-                best = &u->go[k];
+                best = &u->attempts[k];
             }
         }
     }
@@ -122,9 +123,9 @@ count_lending(const struct coord *c, const struct job *job)
     for (uint32_t i = 0; i < job->nout; i++) {
         const struct job_unit *u = &job->units[job->out[i]];
 
-        for (uint8_t k = 0; k < u->ngos; k++)
-            n += u->go[k].lending.asked_ms != 0 &&
-                 c->now_ms - u->go[k].lending.asked_ms < LEND_MS;
+        for (uint8_t k = 0; k < u->nattempts; k++)
+            n += u->attempts[k].lending.asked_ms != 0 &&
+                 c->now_ms - u->attempts[k].lending.asked_ms < LEND_MS;
     }
     return n;
 }
@@ -136,7 +137,7 @@ idle_for(const struct job *job, uint32_t unit)
 {
     for (uint32_t i = 0; i < job->nworkers; i++)
         if (desk_is_idle(job, i) &&
-            (unit == PARTITION_NONE || !go_of_worker(job, unit, i)))
+            (unit == PARTITION_NONE || !attempt_of_worker(job, unit, i)))
             return i;
     return JOB_NOBODY;
 }
@@ -146,39 +147,40 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
 {
     uint32_t asked = count_lending(c, job);
     uint32_t index = idle_for(job, PARTITION_NONE);
-    struct job_go *go;
+    struct job_attempt *attempt;
 
     if (index == JOB_NOBODY)
         return;
-    while (asked < idle && (go = choose_lender(c, job))) {
+    while (asked < idle && (attempt = choose_lender(c, job))) {
         double mine = thread_speed(job, index);
-        double part = mine / (mine + thread_speed(job, go->worker));
+        double part = mine / (mine + thread_speed(job, attempt->worker));
         struct msg m = { .type = MSG_LEND,
-                         .lend = { job->id, go->unit, go->attempt,
+                         .lend = { job->id, attempt->unit, attempt->number,
                                    (uint16_t)(65535 * part) } };
 
-        go->lending.asked_ms = c->now_ms;
+        attempt->lending.asked_ms = c->now_ms;
         asked++;
-        desk_log_unit(c, job, go, "unit lend");
-        actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
+        desk_log_unit(c, job, attempt, "unit lend");
+        actions_send(&c->actions, job->workers[attempt->worker].worker->conn,
+                     &m);
     }
 }
 
 bool
-lending_parked(const struct coord *c, struct job_go *go)
+lending_parked(const struct coord *c, struct job_attempt *attempt)
 {
-    go->lending.asked_ms = 0; /* PARKED is its answer: it lends nothing */
-    if (go->lending.loans > 0 && go->lending.blocked_ms == 0)
-        go->lending.blocked_ms = c->now_ms;
-    return go->lending.loans > 0;
+    attempt->lending.asked_ms = 0; /* PARKED is its answer: it lends nothing */
+    if (attempt->lending.loans > 0 && attempt->lending.blocked_ms == 0)
+        attempt->lending.blocked_ms = c->now_ms;
+    return attempt->lending.loans > 0;
 }
 
 /* Expected time of a loan [ms]; 0: not known.  It follows from the unit's cost,
  * or from the time that the lender took for the rest of the line if that was
  * longer for its length. */
 static double
-loan_time(const struct job *job, const struct job_go *lender,
-          const struct job_go *loan)
+loan_time(const struct job *job, const struct job_attempt *lender,
+          const struct job_attempt *loan)
 {
     double line = line_time(job, loan->unit, loan->worker), took = 0;
 
@@ -197,15 +199,15 @@ loan_time(const struct job *job, const struct job_go *lender,
  * with its attempt. */
 static bool
 is_late_loan(const struct coord *c, const struct job *job,
-             const struct job_go *loan)
+             const struct job_attempt *loan)
 {
-    const struct job_go *lender =
-        go_of_attempt(job, loan->unit, loan->lending.lender);
+    const struct job_attempt *lender =
+        attempt_of_number(job, loan->unit, loan->lending.lender);
     double ms = (double)(c->now_ms - loan->out_ms), due;
 
     if (!lender || job->workers[loan->worker].worker->hangs)
         return true;
-    if (lender->state != GO_BLOCKED)
+    if (lender->state != ATTEMPT_BLOCKED)
         return false;
     due = loan_time(job, lender, loan);
     return ms >= (due > 0 ? LATE_LOAN_MS + LATE_LOANS * due : UNKNOWN_LOAN_MS);
@@ -217,14 +219,15 @@ lending_tick(struct coord *c, struct job *job)
     for (uint32_t i = job->nout; i-- > 0;) {
         struct job_unit *u = &job->units[job->out[i]];
 
-        for (uint8_t k = u->ngos; k-- > 0;) {
-            struct job_go *go = &u->go[k];
+        for (uint8_t k = u->nattempts; k-- > 0;) {
+            struct job_attempt *attempt = &u->attempts[k];
 
-            if (go->origin != GO_LOAN || !is_late_loan(c, job, go))
+            if (attempt->origin != ATTEMPT_LOAN ||
+                !is_late_loan(c, job, attempt))
                 continue;
-            desk_log_unit(c, job, go, "loan late");
-            desk_send_attempt(c, job, MSG_REVOKE, go);
-            holding_end(c, job, go);
+            desk_log_unit(c, job, attempt, "loan late");
+            desk_send_attempt(c, job, MSG_REVOKE, attempt);
+            holding_end(c, job, attempt);
         }
     }
 }
@@ -232,7 +235,7 @@ lending_tick(struct coord *c, struct job *job)
 /* Do the columns lie in the unit's last line, and does the attempt have them?
  */
 static bool
-loan_fits(const struct job *job, const struct job_go *go,
+loan_fits(const struct job *job, const struct job_attempt *attempt,
           const struct msg_loan *m)
 {
     struct partition_area a;
@@ -242,60 +245,62 @@ loan_fits(const struct job *job, const struct job_go *go,
     partition_unit_lines(job->partition, m->unit, &first, &last);
     return m->frame == a.frame && m->line == last - 1 &&
            shared_loan_fits(job->shared, m) &&
-           (go->origin != GO_LOAN ||
-            (m->x >= go->lending.x &&
-             m->x + m->n <= go->lending.x + go->lending.n));
+           (attempt->origin != ATTEMPT_LOAN ||
+            (m->x >= attempt->lending.x &&
+             m->x + m->n <= attempt->lending.x + attempt->lending.n));
 }
 
 /* May a loan lend these columns on?  Only from its right end, so that what it
  * keeps is one piece.  Any other attempt may. */
 static bool
-is_whole_end(const struct job_go *go, const struct msg_loan *m)
+is_whole_end(const struct job_attempt *attempt, const struct msg_loan *m)
 {
-    return go->origin != GO_LOAN ||
-           (m->n < go->lending.n &&
-            m->x + m->n == go->lending.x + go->lending.n);
+    return attempt->origin != ATTEMPT_LOAN ||
+           (m->n < attempt->lending.n &&
+            m->x + m->n == attempt->lending.x + attempt->lending.n);
 }
 
 /* Note what part of the line the attempt has now, in units of 1 / 65535. */
 static void
-note_left(const struct coord *c, struct job_go *go, unsigned part)
+note_left(const struct coord *c, struct job_attempt *attempt, unsigned part)
 {
-    go->lending.line_left = part / 65535.;
-    go->lending.line_ms = c->now_ms;
+    attempt->lending.line_left = part / 65535.;
+    attempt->lending.line_ms = c->now_ms;
 }
 
 /* Begin a loan of the attempt's columns for an idle worker. */
 static void
-lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
+lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t number,
         const struct msg_loan *m)
 {
     struct job_unit *u = &job->units[m->unit];
-    struct job_go *to = holding_begin(c, job, index, m->unit, u->attempt + 1);
-    struct job_go *go = go_of_attempt(job, m->unit, attempt);
+    struct job_attempt *to =
+        holding_begin(c, job, index, m->unit, u->latest + 1);
+    struct job_attempt *attempt = attempt_of_number(job, m->unit, number);
     struct msg pass = { .type = MSG_LOAN, .loan = *m };
-    uint32_t root = go->origin == GO_LOAN ? go->lending.lender : attempt;
+    uint32_t root =
+        attempt->origin == ATTEMPT_LOAN ? attempt->lending.lender : number;
 
     if (!to) {
         c->actions.failed = true;
         return;
     }
-    u->attempt++;
+    u->latest++;
     to->twin = true;
-    to->origin = GO_LOAN;
-    to->rows = GO_DROPPED;
+    to->origin = ATTEMPT_LOAN;
+    to->rows = ATTEMPT_DROPPED;
     to->lending.lender = root;
     to->lending.x = m->x;
     to->lending.n = m->n;
     note_left(c, to, m->given);
-    if (go->origin == GO_LOAN)
-        go->lending.n -= m->n;
-    go = go_of_attempt(job, m->unit, root);
-    if (go)
-        go->lending.loans++;
+    if (attempt->origin == ATTEMPT_LOAN)
+        attempt->lending.n -= m->n;
+    attempt = attempt_of_number(job, m->unit, root);
+    if (attempt)
+        attempt->lending.loans++;
     desk_log_unit(c, job, to, "loan out");
     pass.loan.job = job->id;
-    pass.loan.attempt = to->attempt;
+    pass.loan.attempt = to->number;
     actions_send(&c->actions, job->workers[index].worker->conn, &pass);
 }
 
@@ -305,27 +310,29 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg *msg)
     const struct msg_loan *m = &msg->loan;
     const struct msg_back back = { m->job,  m->unit, m->attempt,
                                    m->line, m->x,    m->n };
-    struct job_go *go;
+    struct job_attempt *attempt;
     uint32_t index, to;
     struct job *job = desk_job_of(c, w, m->job, &index);
 
     if (!job || !job->shared || m->unit >= job->nunits)
         return;
-    go = go_find(job, m->unit, index, m->attempt);
-    if (!go || go->state == GO_DELIVERED) { /* no answer: it waits for ever */
+    attempt = attempt_find(job, m->unit, index, m->attempt);
+    if (!attempt || attempt->state ==
+                        ATTEMPT_DELIVERED) { /* no answer: it waits for ever */
         holding_send_back(c, w, &back);
         return;
     }
-    if (!loan_fits(job, go, m)) {
+    if (!loan_fits(job, attempt, m)) {
         verdict_break(c, w->conn, "a LOAN that fits no line");
         return;
     }
-    go->lending.asked_ms = 0;
-    note_left(c, go, m->left);
-    to = job->units[m->unit].ngos < JOB_MAX_GOES ? idle_for(job, m->unit)
-                                                 : JOB_NOBODY;
-    if (to != JOB_NOBODY && is_whole_end(go, m))
-        lend_to(c, job, to, go->attempt, m);
+    attempt->lending.asked_ms = 0;
+    note_left(c, attempt, m->left);
+    to = job->units[m->unit].nattempts < JOB_MAX_ATTEMPTS
+             ? idle_for(job, m->unit)
+             : JOB_NOBODY;
+    if (to != JOB_NOBODY && is_whole_end(attempt, m))
+        lend_to(c, job, to, attempt->number, m);
     else
         holding_send_back(c, w, &back);
 }
@@ -341,30 +348,30 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
     uint32_t index = job ? desk_index(job, w) : JOB_NOBODY;
     struct msg_counts counts = m->counts;
     struct job_worker *jw;
-    struct job_go *go;
+    struct job_attempt *attempt;
 
     if (index == JOB_NOBODY)
         return;
     jw = &job->workers[index];
     msg_counts_add(&jw->paid, &m->counts);
-    go = !job_over(job) && m->unit < job->nunits
-             ? go_find(job, m->unit, index, m->attempt)
-             : NULL;
+    attempt = !job_over(job) && m->unit < job->nunits
+                  ? attempt_find(job, m->unit, index, m->attempt)
+                  : NULL;
     counts.primary_rays = 0; /* the lender counts the pixels that it uses */
     counts.wall_s = 0;       /* it is within the lender's time */
     counts.nan = (struct msg_nan){ 0 };
-    if (!go || go->origin != GO_LOAN) {
+    if (!attempt || attempt->origin != ATTEMPT_LOAN) {
         memset(counts.faults, 0, sizeof counts.faults);
         msg_counts_add(&jw->past.dropped, &counts);
         progress_see(job);
         return;
     }
-    desk_log_unit(c, job, go, "loan paid");
+    desk_log_unit(c, job, attempt, "loan paid");
     desk_late(job, index, false);
     msg_counts_add(&job->units[m->unit].lent, &counts);
     jw->rays += counts.rays;
     jw->cpu_s += counts.cpu_s;
     job->rays += counts.rays;
     progress_see(job);
-    holding_end(c, job, go);
+    holding_end(c, job, attempt);
 }

@@ -15,7 +15,7 @@ void lending_paid(struct coord *c, struct coord_worker *w,
 /* Send LEND until as many loans are expected as there are idle workers. */
 void lending_ask(struct coord *c, struct job *job, uint32_t idle);
 /* An attempt sent PARKED.  True: what it waits for is columns that it lent. */
-bool lending_parked(const struct coord *c, struct job_go *go);
+bool lending_parked(const struct coord *c, struct job_attempt *attempt);
 /* Take back loans that are late. */
 void lending_tick(struct coord *c, struct job *job);
 

@@ -96,8 +96,8 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
         return s->worker[0] ? rad_fail_memory(r->err)
                             : damaged(r, "unit", s->unit);
     u->lead = s->attempt;
-    if (s->attempt > u->attempt)
-        u->attempt = s->attempt;
+    if (s->attempt > u->latest)
+        u->latest = s->attempt;
     u->tries = s->tries;
     job->units_redone += s->tries > 1 ? s->tries - 1 : 0;
     u->next_row = u->stored_rows = s->stored;

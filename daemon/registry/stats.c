@@ -194,18 +194,19 @@ unit(const struct job *job, uint32_t i)
 
 /* An attempt at a unit that is out. */
 static json_t *
-attempt(const struct job *job, const struct job_go *go, uint64_t now_ms)
+attempt(const struct job *job, const struct job_attempt *attempt,
+        uint64_t now_ms)
 {
     struct partition_area a;
 
-    partition_area(job->partition, go->unit, &a);
+    partition_area(job->partition, attempt->unit, &a);
     return json_pack("{s:I,s:I,s:I,s:I,s:I,s:f,s:f,s:s}", "frame",
                      (json_int_t)job->spec.frames[a.frame].number, "x",
                      (json_int_t)a.x, "y", (json_int_t)a.y, "width",
                      (json_int_t)a.width, "height", (json_int_t)a.height,
-                     "start_s", seconds(job->submit_ms, go->out_ms), "end_s",
-                     seconds(job->submit_ms, now_ms), "worker",
-                     job->workers[go->worker].name);
+                     "start_s", seconds(job->submit_ms, attempt->out_ms),
+                     "end_s", seconds(job->submit_ms, now_ms), "worker",
+                     job->workers[attempt->worker].name);
 }
 
 /* The attempts under way. */
@@ -218,9 +219,11 @@ running(const struct job *job, uint64_t now_ms)
     for (uint32_t k = 0; k < job->nout && !job_over(job); k++) {
         const struct job_unit *u = &job->units[job->out[k]];
 
-        for (uint8_t g = 0; g < u->ngos && n < MOST_RUNNING; g++)
-            if (u->go[g].state != GO_OVER && u->go[g].origin != GO_LOAN) {
-                json_array_append_new(list, attempt(job, &u->go[g], now_ms));
+        for (uint8_t g = 0; g < u->nattempts && n < MOST_RUNNING; g++)
+            if (u->attempts[g].state != ATTEMPT_OVER &&
+                u->attempts[g].origin != ATTEMPT_LOAN) {
+                json_array_append_new(list,
+                                      attempt(job, &u->attempts[g], now_ms));
                 n++;
             }
     }

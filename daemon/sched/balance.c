@@ -14,7 +14,7 @@
 #include "desk/holding.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/job.h"
 #include "lines/lending.h"
 #include "sched/handout.h"
@@ -34,10 +34,10 @@
 
 /* Of the attempts that may be asked for lines, the one with the most time left;
  * NULL: none. */
-static struct job_go *
+static struct job_attempt *
 choose_giver(const struct coord *c, const struct job *job)
 {
-    struct job_go *best = NULL;
+    struct job_attempt *best = NULL;
     double most = LEAST_SPLIT_MS;
 
     for (uint32_t i = 0; i < job->nout; i++) {
@@ -46,13 +46,13 @@ choose_giver(const struct coord *c, const struct job *job)
         double ms;
 
         partition_unit_lines(job->partition, job->out[i], &first, &last);
-        if (u->whole || u->ngos != 1 || !go_works(&u->go[0]) ||
-            u->go[0].split_ms != 0 || last - first < 2)
+        if (u->whole || u->nattempts != 1 || !attempt_works(&u->attempts[0]) ||
+            u->attempts[0].split_ms != 0 || last - first < 2)
             continue;
-        ms = speed_left_ms(c, job, &u->go[0]);
+        ms = speed_left_ms(c, job, &u->attempts[0]);
         if (ms >= most) {
             most = ms;
-            best = &u->go[0];
+            best = &u->attempts[0];
         }
     }
     return best;
@@ -68,10 +68,10 @@ expire_splits(const struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nout; i++) {
         struct job_unit *u = &job->units[job->out[i]];
 
-        for (uint8_t k = 0; k < u->ngos; k++) {
-            if (u->go[k].split_ms == 0)
+        for (uint8_t k = 0; k < u->nattempts; k++) {
+            if (u->attempts[k].split_ms == 0)
                 continue;
-            if (c->now_ms - u->go[k].split_ms >= SPLIT_LOST_MS)
+            if (c->now_ms - u->attempts[k].split_ms >= SPLIT_LOST_MS)
                 u->whole = true; /* if it is answered yet, that counts */
             else
                 n++;
@@ -86,23 +86,23 @@ static uint32_t
 ask_for_lines(struct coord *c, struct job *job, uint32_t idle)
 {
     uint32_t asked = expire_splits(c, job);
-    struct job_go *go;
+    struct job_attempt *attempt;
 
-    while (asked < idle && (go = choose_giver(c, job))) {
-        go->split_ms = c->now_ms;
+    while (asked < idle && (attempt = choose_giver(c, job))) {
+        attempt->split_ms = c->now_ms;
         asked++;
-        desk_log_unit(c, job, go, "unit split");
-        desk_send_attempt(c, job, MSG_SPLIT, go);
+        desk_log_unit(c, job, attempt, "unit split");
+        desk_send_attempt(c, job, MSG_SPLIT, attempt);
     }
     return asked < idle ? idle - asked : 0;
 }
 
 /* Has a worker other than the attempt's the unit? */
 static bool
-has_twin(const struct job_unit *u, const struct job_go *go)
+has_twin(const struct job_unit *u, const struct job_attempt *attempt)
 {
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (&u->go[i] != go && u->go[i].origin != GO_LOAN)
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (&u->attempts[i] != attempt && u->attempts[i].origin != ATTEMPT_LOAN)
             return true;
     return false;
 }
@@ -113,39 +113,41 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
     const struct msg_gave *m = &msg->gave;
     struct partition_area a;
     struct job_unit *u;
-    struct job_go *go;
+    struct job_attempt *attempt;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
 
     if (!job || m->unit >= job->nunits)
         return;
-    go = go_find(job, m->unit, index, m->attempt);
-    if (!go || (go->split_ms == 0 && go->state != GO_YIELDING &&
-                go->origin != GO_RESUMED)) /* asked before it was lost */
+    attempt = attempt_find(job, m->unit, index, m->attempt);
+    if (!attempt ||
+        (attempt->split_ms == 0 && attempt->state != ATTEMPT_YIELDING &&
+         attempt->origin != ATTEMPT_RESUMED)) /* asked before it was lost */
         return;
-    go->split_ms = 0;
+    attempt->split_ms = 0;
     partition_area(job->partition, m->unit, &a);
     u = &job->units[m->unit];
     actions_log(&c->actions, ACT_DEBUG,
                 "unit gave job=%s unit=%u attempt=%u height=%u of=%u", job->hex,
                 m->unit, m->attempt, m->height, a.height);
     if (m->height == 0) {
-        loss_given_back(c, job, go);
+        loss_given_back(c, job, attempt);
         return;
     }
     if (m->height == a.height) {
         u->whole = true;
         return;
     }
-    if (go->lending.loans > 0) /* they are of a line that was given away */
-        loss_end_loans(c, job, m->unit, go->attempt);
-    if (has_twin(u, go)) { /* GAVE came after TWIN, and the twin has all lines
-                            */
-        desk_send_attempt(c, job, MSG_REVOKE, go);
-        loss_of(c, job, go);
+    if (attempt->lending.loans > 0) /* they are of a line that was given away */
+        loss_end_loans(c, job, m->unit, attempt->number);
+    if (has_twin(u,
+                 attempt)) { /* GAVE came after TWIN, and the twin has all lines
+                              */
+        desk_send_attempt(c, job, MSG_REVOKE, attempt);
+        loss_of(c, job, attempt);
         return;
     }
-    if (!holding_shrink(c, job, go, m->height))
+    if (!holding_shrink(c, job, attempt, m->height))
         verdict_break(c, w->conn, "a GAVE that fits no lines");
 }
 
@@ -155,13 +157,14 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
  * which has a time of its own (lending.c), or to give the unit back (yield.c).
  */
 static bool
-is_slow(const struct coord *c, const struct job *job, const struct job_go *go,
-        uint64_t lease_floor_ms)
+is_slow(const struct coord *c, const struct job *job,
+        const struct job_attempt *attempt, uint64_t lease_floor_ms)
 {
-    const struct coord_worker *w = job->workers[go->worker].worker;
+    const struct coord_worker *w = job->workers[attempt->worker].worker;
 
-    return !go_waits(go) && c->now_ms - go->out_ms >=
-                                (w->hangs ? c->lease_floor_ms : lease_floor_ms);
+    return !attempt_waits(attempt) &&
+           c->now_ms - attempt->out_ms >=
+               (w->hangs ? c->lease_floor_ms : lease_floor_ms);
 }
 
 /* Are all attempts at the unit that may still count slow? */
@@ -171,10 +174,11 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
 {
     const struct job_unit *u = &job->units[unit];
 
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].origin != GO_LOAN && u->go[i].rows != GO_SPENT &&
-            (u->go[i].state == GO_DELIVERED ||
-             !is_slow(c, job, &u->go[i], lease_floor_ms)))
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (u->attempts[i].origin != ATTEMPT_LOAN &&
+            u->attempts[i].rows != ATTEMPT_SPENT &&
+            (u->attempts[i].state == ATTEMPT_DELIVERED ||
+             !is_slow(c, job, &u->attempts[i], lease_floor_ms)))
             return false;
     return true;
 }
@@ -186,7 +190,7 @@ wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
 {
     const struct job_unit *u = &job->units[unit];
 
-    return u->ngos < JOB_MAX_HOLDERS && u->crashes == 0 &&
+    return u->nattempts < JOB_MAX_HOLDERS && u->crashes == 0 &&
            is_late(c, job, unit, lease_floor_ms);
 }
 
@@ -205,9 +209,10 @@ release_spent(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
-    for (uint8_t k = u->ngos; k-- > 0;)
-        if (u->go[k].rows == GO_SPENT && u->go[k].state != GO_DELIVERED)
-            holding_end(c, job, &u->go[k]);
+    for (uint8_t k = u->nattempts; k-- > 0;)
+        if (u->attempts[k].rows == ATTEMPT_SPENT &&
+            u->attempts[k].state != ATTEMPT_DELIVERED)
+            holding_end(c, job, &u->attempts[k]);
 }
 
 /* Note workers that have work and whose progress counter stands still. */
@@ -254,9 +259,9 @@ leave_out(struct job *job, uint32_t unit)
 {
     const struct job_unit *u = &job->units[unit];
 
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].origin != GO_LOAN)
-            desk_late(job, u->go[i].worker, true);
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (u->attempts[i].origin != ATTEMPT_LOAN)
+            desk_late(job, u->attempts[i].worker, true);
 }
 
 bool
@@ -266,9 +271,9 @@ balance_give_twin(struct coord *c, struct job *job, uint32_t index)
     uint32_t unit = 0;
 
     for (uint32_t i = 0; i < job->nout; i++) {
-        uint64_t ms = c->now_ms - job->units[job->out[i]].go[0].out_ms;
+        uint64_t ms = c->now_ms - job->units[job->out[i]].attempts[0].out_ms;
 
-        if (ms <= longest || go_of_worker(job, job->out[i], index) ||
+        if (ms <= longest || attempt_of_worker(job, job->out[i], index) ||
             !wants_twin(c, job, job->out[i], lease))
             continue;
         longest = ms;
@@ -279,7 +284,7 @@ balance_give_twin(struct coord *c, struct job *job, uint32_t index)
     job->late--;
     actions_log(&c->actions, ACT_INFO,
                 "unit late job=%s unit=%u worker=%s s=%llu", job->hex, unit,
-                job->workers[job->units[unit].go[0].worker].name,
+                job->workers[job->units[unit].attempts[0].worker].name,
                 (unsigned long long)longest / 1000);
     leave_out(job, unit);
     handout_unit(c, job, index, unit);

@@ -14,8 +14,8 @@ choose_end(const struct job_unit *u)
     for (uint8_t end = 0; end < MSG_NEND; end++) {
         bool taken = false;
 
-        for (uint8_t i = 0; i + 1 < u->ngos; i++)
-            taken |= u->go[i].end == end;
+        for (uint8_t i = 0; i + 1 < u->nattempts; i++)
+            taken |= u->attempts[i].end == end;
         if (!taken)
             return end;
     }
@@ -23,16 +23,16 @@ choose_end(const struct job_unit *u)
 }
 
 static void
-send_unit(struct coord *c, struct job *job, struct job_go *go)
+send_unit(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
     bool strict = partition_is_strict(job->partition);
     struct partition_area a;
     struct msg m = { .type = MSG_UNIT };
 
-    partition_area(job->partition, go->unit, &a);
+    partition_area(job->partition, attempt->unit, &a);
     m.unit = (struct msg_unit){ .job = job->id,
-                                .unit = go->unit,
-                                .attempt = go->attempt,
+                                .unit = attempt->unit,
+                                .attempt = attempt->number,
                                 .frame = a.frame,
                                 .x = a.x,
                                 .y = a.y,
@@ -40,12 +40,12 @@ send_unit(struct coord *c, struct job *job, struct job_go *go)
                                 .height = a.height };
     if (strict) {
         m.unit.mode = MSG_MODE_STRICT;
-        m.unit.end = go->end;
-        m.unit.flags = handoff_flags(job, go);
+        m.unit.end = attempt->end;
+        m.unit.flags = handoff_flags(job, attempt);
     }
     if (strict)
-        handoff_out(c, job, go);
-    actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
+        handoff_out(c, job, attempt);
+    actions_send(&c->actions, job->workers[attempt->worker].worker->conn, &m);
 }
 
 /* Tell the workers of the unit's attempts that it has twins now. */
@@ -54,11 +54,11 @@ tell_twins(struct coord *c, const struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (!u->go[i].twin) {
-            u->go[i].twin = true;
-            if (i + 1 < u->ngos) /* the newest learns it from its UNIT */
-                desk_send_attempt(c, job, MSG_TWIN, &u->go[i]);
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (!u->attempts[i].twin) {
+            u->attempts[i].twin = true;
+            if (i + 1 < u->nattempts) /* the newest learns it from its UNIT */
+                desk_send_attempt(c, job, MSG_TWIN, &u->attempts[i]);
         }
 }
 
@@ -66,37 +66,38 @@ void
 handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_go *go = holding_begin(c, job, index, unit, u->attempt + 1);
+    struct job_attempt *attempt =
+        holding_begin(c, job, index, unit, u->latest + 1);
 
-    if (!go) {
+    if (!attempt) {
         c->actions.failed = true;
         return;
     }
     job->workers[index].passed = 0;
-    u->attempt++;
+    u->latest++;
     u->tries++;
-    if (u->tries > 1 && u->ngos == 1 && !u->given_back)
+    if (u->tries > 1 && u->nattempts == 1 && !u->given_back)
         job->units_redone++; /* a twin is no redoing */
     u->given_back = false;
-    desk_log_unit(c, job, go, "unit out");
-    if (u->ngos == 1) {
+    desk_log_unit(c, job, attempt, "unit out");
+    if (u->nattempts == 1) {
         holding_forget_rows(job, unit);
-        u->lead = u->attempt;
+        u->lead = u->latest;
         if (u->worker != index)
             u->losses = 0;
         u->worker = index;
-        u->out_ms = go->out_ms;
+        u->out_ms = attempt->out_ms;
     } else if (u->next_row == 0) {
         u->lead = 0; /* the attempt whose rows come first will lead */
     }
-    if (u->ngos == 1)
+    if (u->nattempts == 1)
         desk_keep_unit(c, job, unit);
-    go->end = choose_end(u);
+    attempt->end = choose_end(u);
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
-    if (u->ngos > 1 && job->shared)
+    if (u->nattempts > 1 && job->shared)
         tell_twins(c, job, unit);
-    send_unit(c, job, go);
+    send_unit(c, job, attempt);
 }

@@ -10,7 +10,7 @@
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/tiles.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/unit.h"
@@ -50,10 +50,10 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
 
     holding_forget_rows(job, unit);
     u->lead = 0;
-    for (uint8_t i = u->ngos; i-- > 0;)
-        if (u->go[i].rows != GO_MAY_LEAD) {
-            desk_send_attempt(c, job, MSG_REVOKE, &u->go[i]);
-            holding_end(c, job, &u->go[i]);
+    for (uint8_t i = u->nattempts; i-- > 0;)
+        if (u->attempts[i].rows != ATTEMPT_MAY_LEAD) {
+            desk_send_attempt(c, job, MSG_REVOKE, &u->attempts[i]);
+            holding_end(c, job, &u->attempts[i]);
         }
 }
 
@@ -63,65 +63,65 @@ loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
 {
     struct job_unit *u = &job->units[unit];
 
-    for (uint8_t i = u->ngos; i-- > 0;)
-        if (u->go[i].lending.lender == lender) {
-            desk_send_attempt(c, job, MSG_YIELD, &u->go[i]);
-            holding_end(c, job, &u->go[i]);
+    for (uint8_t i = u->nattempts; i-- > 0;)
+        if (u->attempts[i].lending.lender == lender) {
+            desk_send_attempt(c, job, MSG_YIELD, &u->attempts[i]);
+            holding_end(c, job, &u->attempts[i]);
         }
 }
 
 /* End the attempt, and choose what comes of the unit. */
 static void
-lose(struct coord *c, struct job *job, struct job_go *go)
+lose(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
-    uint32_t unit = go->unit, attempt = go->attempt;
+    uint32_t unit = attempt->unit, number = attempt->number;
     struct job_unit *u = &job->units[unit];
-    bool led = attempt == u->lead || u->lead == 0;
+    bool led = number == u->lead || u->lead == 0;
 
-    holding_end(c, job, go);
-    loss_end_loans(c, job, unit, attempt);
-    if (u->ngos > 0 && led)
+    holding_end(c, job, attempt);
+    loss_end_loans(c, job, unit, number);
+    if (u->nattempts > 0 && led)
         new_lead(c, job, unit);
-    if (u->ngos == 0)
+    if (u->nattempts == 0)
         unit_wait(job, unit);
 }
 
 void
-loss_of(struct coord *c, struct job *job, struct job_go *go)
+loss_of(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
     struct partition_area a;
 
-    partition_area(job->partition, go->unit, &a);
+    partition_area(job->partition, attempt->unit, &a);
     job->frames[a.frame].untold = true;
-    lose(c, job, go);
+    lose(c, job, attempt);
 }
 
 /* If no worker has the unit, let rows of it that are on their way not count. */
 static void
 close_rows(struct job_unit *u)
 {
-    if (u->ngos == 0)
+    if (u->nattempts == 0)
         u->lead = 0;
 }
 
 void
-loss_taken(struct coord *c, struct job *job, struct job_go *go)
+loss_taken(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
-    struct job_unit *u = &job->units[go->unit];
+    struct job_unit *u = &job->units[attempt->unit];
 
-    desk_send_attempt(c, job, MSG_REVOKE, go);
-    loss_of(c, job, go);
+    desk_send_attempt(c, job, MSG_REVOKE, attempt);
+    loss_of(c, job, attempt);
     close_rows(u);
 }
 
 void
-loss_given_back(struct coord *c, struct job *job, struct job_go *go)
+loss_given_back(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
-    struct job_unit *u = &job->units[go->unit];
+    struct job_unit *u = &job->units[attempt->unit];
 
-    lose(c, job, go);
+    lose(c, job, attempt);
     close_rows(u);
-    u->given_back = u->ngos == 0;
+    u->given_back = u->nattempts == 0;
 }
 
 /* End all that the worker does for the job. */
@@ -132,13 +132,13 @@ take_all_back(struct coord *c, struct job *job, uint32_t index)
     tiles_lost(job, index);
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
-        struct job_go *go = go_of_worker(job, unit, index);
+        struct job_attempt *attempt = attempt_of_worker(job, unit, index);
 
-        if (!go)
+        if (!attempt)
             continue;
         if (job->units[unit].losses < UINT8_MAX)
             job->units[unit].losses++;
-        loss_of(c, job, go);
+        loss_of(c, job, attempt);
     }
 }
 
@@ -148,7 +148,7 @@ loss_keep(const struct coord *c, struct job *job, uint32_t index, uint64_t ms)
     for (uint32_t i = 0; job->partition && i < job->nunits; i++) {
         const struct job_unit *u = &job->units[i];
 
-        if (u->state != UNIT_DONE && u->ngos == 0 && u->lead != 0 &&
+        if (u->state != UNIT_DONE && u->nattempts == 0 && u->lead != 0 &&
             u->worker == index && u->losses <= MOST_LOSSES)
             partition_keep(job->partition, i, index);
     }
@@ -174,14 +174,14 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
-        struct job_go *go = go_of_worker(job, unit, index);
+        struct job_attempt *attempt = attempt_of_worker(job, unit, index);
         struct partition_area a;
 
-        if (!go || go->origin == GO_RESUMED)
+        if (!attempt || attempt->origin == ATTEMPT_RESUMED)
             continue;
         partition_area(job->partition, unit, &a);
         if (job->units[unit].next_row < a.height)
-            loss_of(c, job, go);
+            loss_of(c, job, attempt);
     }
     /* the units that it lost go to it now, if it takes units at all */
     loss_keep(c, job, index,
@@ -190,18 +190,18 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
 
 /* The attempt that the worker names by STILL, begun again if need be; NULL: the
  * unit went to another worker, or is done. */
-static struct job_go *
+static struct job_attempt *
 find_or_revive(struct coord *c, struct job *job, uint32_t index,
                const struct msg_gave *m)
 {
     const struct job_unit *u = &job->units[m->unit];
-    struct job_go *go = go_find(job, m->unit, index, m->attempt);
+    struct job_attempt *attempt = attempt_find(job, m->unit, index, m->attempt);
 
-    if (!go && u->state != UNIT_DONE && u->ngos == 0 && u->lead != 0 &&
-        u->lead == m->attempt && u->worker == index &&
+    if (!attempt && u->state != UNIT_DONE && u->nattempts == 0 &&
+        u->lead != 0 && u->lead == m->attempt && u->worker == index &&
         holding_revive(c, job, index, m->unit))
-        go = go_find(job, m->unit, index, m->attempt);
-    return go;
+        attempt = attempt_find(job, m->unit, index, m->attempt);
+    return attempt;
 }
 
 static bool
@@ -209,20 +209,20 @@ resume(struct coord *c, struct job *job, uint32_t index,
        const struct msg_gave *m)
 {
     struct partition_area a;
-    struct job_go *go;
+    struct job_attempt *attempt;
 
     if (!job->partition || m->unit >= job->nunits)
         return false;
     partition_area(job->partition, m->unit, &a);
-    go = m->height <= a.height ? find_or_revive(c, job, index, m) : NULL;
-    if (!go)
+    attempt = m->height <= a.height ? find_or_revive(c, job, index, m) : NULL;
+    if (!attempt)
         return false;
-    go->origin = GO_RESUMED;
+    attempt->origin = ATTEMPT_RESUMED;
     job->units[m->unit].losses = 0;
-    desk_log_unit(c, job, go, "unit still");
-    if (m->height == a.height || holding_shrink(c, job, go, m->height))
+    desk_log_unit(c, job, attempt, "unit still");
+    if (m->height == a.height || holding_shrink(c, job, attempt, m->height))
         return true;
-    loss_of(c, job, go);
+    loss_of(c, job, attempt);
     return false;
 }
 
@@ -298,7 +298,7 @@ note_crash(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     u->crashes++;
     if (u->crashes == 1)
         u->crasher = index;
-    loss_of(c, job, go_of_worker(job, unit, index));
+    loss_of(c, job, attempt_of_worker(job, unit, index));
     if (u->crasher == index && u->crashes < JOB_MAX_CRASHES)
         return true;
     partition_area(job->partition, unit, &a);
@@ -402,7 +402,7 @@ loss_no_room(struct coord *c, struct coord_worker *w, const struct msg *msg)
 static bool
 has_unit(const struct job *job, uint32_t index, uint32_t unit)
 {
-    return unit < job->nunits && go_of_worker(job, unit, index);
+    return unit < job->nunits && attempt_of_worker(job, unit, index);
 }
 
 void

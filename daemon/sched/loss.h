@@ -17,12 +17,13 @@ void loss_still(struct coord *c, struct coord_worker *w, const struct msg *msg);
 void loss_worker_gone(struct coord *c, struct coord_worker *w);
 /* End an attempt that did not finish the unit: another attempt goes on, or the
  * unit waits again. */
-void loss_of(struct coord *c, struct job *job, struct job_go *go);
+void loss_of(struct coord *c, struct job *job, struct job_attempt *attempt);
 /* The same, and take the unit from the attempt's worker (REVOKE). */
-void loss_taken(struct coord *c, struct job *job, struct job_go *go);
+void loss_taken(struct coord *c, struct job *job, struct job_attempt *attempt);
 /* End an attempt whose worker gave the whole unit back (GAVE), after its facts.
  */
-void loss_given_back(struct coord *c, struct job *job, struct job_go *go);
+void loss_given_back(struct coord *c, struct job *job,
+                     struct job_attempt *attempt);
 /* End the loans of attempt `lender`, which is over or has another last line
  * now.
  */

@@ -9,7 +9,7 @@
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/passes.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/progress.h"
@@ -124,18 +124,18 @@ ack(struct coord *c, const struct coord_worker *w, const struct job *job,
  * unit waits again.  A message may have been lost with a connection, so only a
  * unit that comes incomplete again and again fails the job. */
 static void
-drop_incomplete(struct coord *c, struct job *job, struct job_go *go)
+drop_incomplete(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
-    uint32_t unit = go->unit;
+    uint32_t unit = attempt->unit;
     struct job_unit *u = &job->units[unit];
     char text[MSG_MAX_TEXT + 1];
 
     actions_log(&c->actions, ACT_WARN,
                 "unit incomplete job=%s unit=%u attempt=%u worker=%s", job->hex,
-                unit, go->attempt, job->workers[go->worker].name);
+                unit, attempt->number, job->workers[attempt->worker].name);
     holding_forget_rows(job, unit);
     u->lead = 0;
-    loss_of(c, job, go);
+    loss_of(c, job, attempt);
     if (++u->faults < JOB_MAX_CRASHES)
         return;
     snprintf(text, sizeof text, "unit %u came incomplete %u times", unit,
@@ -146,7 +146,7 @@ drop_incomplete(struct coord *c, struct job *job, struct job_go *go)
 /* Let the twin that sends its first rows lead, if the leading attempt has been
  * silent for so long that its worker may be stopped. */
 static void
-overtake(const struct coord *c, struct job *job, struct job_go *go,
+overtake(const struct coord *c, struct job *job, struct job_attempt *attempt,
          const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
@@ -154,14 +154,14 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
                                                              : LEAD_SILENT_MS)
                          << u->overtaken;
 
-    if (m->row != 0 || go->rows != GO_MAY_LEAD || u->next_row == 0 ||
+    if (m->row != 0 || attempt->rows != ATTEMPT_MAY_LEAD || u->next_row == 0 ||
         c->now_ms - u->row_ms < silent_ms)
         return;
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].attempt == u->lead) {
-            if (u->go[i].state == GO_DELIVERED)
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (u->attempts[i].number == u->lead) {
+            if (u->attempts[i].state == ATTEMPT_DELIVERED)
                 return; /* it is not silent: the disk is slow */
-            u->go[i].rows = GO_DROPPED;
+            u->attempts[i].rows = ATTEMPT_DROPPED;
         }
     holding_forget_rows(job, m->unit);
     u->lead = 0;
@@ -172,21 +172,21 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
 /* Rows of an attempt came: decide which attempt leads.  The one whose first
  * rows come first. */
 static void
-choose_lead(struct coord *c, struct job *job, struct job_go *go,
+choose_lead(struct coord *c, struct job *job, struct job_attempt *attempt,
             const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
 
     if (u->lead != m->attempt)
-        overtake(c, job, go, m);
-    if (u->lead == 0 && m->row == 0 && go->rows == GO_MAY_LEAD) {
+        overtake(c, job, attempt, m);
+    if (u->lead == 0 && m->row == 0 && attempt->rows == ATTEMPT_MAY_LEAD) {
         u->lead = m->attempt;
-        u->worker = go->worker;
-        u->out_ms = go->out_ms;
+        u->worker = attempt->worker;
+        u->out_ms = attempt->out_ms;
         desk_keep_unit(c, job, m->unit);
     }
-    if (u->lead != m->attempt && go->rows == GO_MAY_LEAD)
-        go->rows = GO_DROPPED;
+    if (u->lead != m->attempt && attempt->rows == ATTEMPT_MAY_LEAD)
+        attempt->rows = ATTEMPT_DROPPED;
 }
 
 /* Do the rows count?  Only rows of the leading attempt, while the unit is not
@@ -200,23 +200,23 @@ counts(const struct job *job, uint32_t index, const struct msg_result *m)
     return u->state != UNIT_DONE && part_is_here(&job->workers[index]) &&
            u->lead != 0 && u->lead == m->attempt &&
            m->row + m->rows > u->stored_rows &&
-           (go_find(job, m->unit, index, m->attempt) ||
-            (u->ngos == 0 && u->worker == index && m->row <= u->next_row));
+           (attempt_find(job, m->unit, index, m->attempt) ||
+            (u->nattempts == 0 && u->worker == index && m->row <= u->next_row));
 }
 
 /* All rows of the attempt are here: release its worker, and those of its twins,
  * before the rows are on the disk. */
 static void
-delivered(struct coord *c, struct job *job, struct job_go *go)
+delivered(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
-    struct job_unit *u = &job->units[go->unit];
+    struct job_unit *u = &job->units[attempt->unit];
 
-    speed_finished(job, go);
-    holding_step(c, job, go, GO_DELIVERED);
-    for (uint8_t i = u->ngos; i-- > 0;)
-        if (u->go[i].state != GO_DELIVERED) {
-            desk_send_attempt(c, job, MSG_REVOKE, &u->go[i]);
-            holding_end(c, job, &u->go[i]);
+    speed_finished(job, attempt);
+    holding_step(c, job, attempt, ATTEMPT_DELIVERED);
+    for (uint8_t i = u->nattempts; i-- > 0;)
+        if (u->attempts[i].state != ATTEMPT_DELIVERED) {
+            desk_send_attempt(c, job, MSG_REVOKE, &u->attempts[i]);
+            holding_end(c, job, &u->attempts[i]);
         }
 }
 
@@ -233,11 +233,11 @@ is_old(const struct job *job, uint32_t index, const struct msg_result *m)
 static void
 note_spent(struct job *job, uint32_t index, const struct msg_result *m)
 {
-    struct job_go *go = go_find(job, m->unit, index, m->attempt);
+    struct job_attempt *attempt = attempt_find(job, m->unit, index, m->attempt);
 
-    if (m->last && go && go->rows == GO_DROPPED &&
+    if (m->last && attempt && attempt->rows == ATTEMPT_DROPPED &&
         m->attempt != job->units[m->unit].lead)
-        go->rows = GO_SPENT;
+        attempt->rows = ATTEMPT_SPENT;
 }
 
 /* Has the worker given the lines below these rows away, and was its GAVE lost
@@ -248,7 +248,7 @@ gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
 {
     return m->last && m->row + m->rows < a->height &&
            job->workers[index].state == PART_LOADING &&
-           job->units[m->unit].ngos == 1;
+           job->units[m->unit].nattempts == 1;
 }
 
 /* Drop rows that do not count, but compare them with those that do. */
@@ -280,18 +280,18 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
           uint32_t index, const struct msg_result *m, struct partition_area *a)
 {
     struct job_unit *u = &job->units[m->unit];
-    struct job_go *go;
+    struct job_attempt *attempt;
 
-    if (u->ngos == 0 && !holding_revive(c, job, index, m->unit))
+    if (u->nattempts == 0 && !holding_revive(c, job, index, m->unit))
         return;
-    go = go_find(job, m->unit, index, m->attempt);
+    attempt = attempt_find(job, m->unit, index, m->attempt);
     if (gave_before(job, index, m, a) &&
-        holding_shrink(c, job, go, m->row + m->rows))
+        holding_shrink(c, job, attempt, m->row + m->rows))
         partition_area(job->partition, m->unit, a);
     if (m->last &&
         (m->row + m->rows < a->height || !handoff_complete(job, m->unit))) {
         ack(c, w, job, m);
-        drop_incomplete(c, job, go);
+        drop_incomplete(c, job, attempt);
         return;
     }
     duplicate_keep(job, index, m, a->height);
@@ -301,7 +301,7 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
     if (m->last) {
         u->counts = m->counts;
         msg_counts_add(&u->counts, &u->lent);
-        delivered(c, job, go);
+        delivered(c, job, attempt);
     }
     put_rows(c, job, index, m, a);
 }
@@ -312,7 +312,7 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
 {
     struct partition_area a;
     struct job_unit *u;
-    struct job_go *go;
+    struct job_attempt *attempt;
 
     if (!job->partition) { /* an earlier life kept nothing of the job */
         ack(c, w, job, m);
@@ -327,9 +327,9 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     }
     partition_area(job->partition, m->unit, &a);
     u = &job->units[m->unit];
-    go = go_find(job, m->unit, index, m->attempt);
-    if (go && u->state != UNIT_DONE && part_is_here(&job->workers[index]))
-        choose_lead(c, job, go, m);
+    attempt = attempt_find(job, m->unit, index, m->attempt);
+    if (attempt && u->state != UNIT_DONE && part_is_here(&job->workers[index]))
+        choose_lead(c, job, attempt, m);
     if (!counts(job, index, m))
         refuse_rows(c, w, job, index, m, &a);
     else if (!result_fits(job, m, &a))
@@ -373,16 +373,16 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
-    while (u->ngos > 0) {
-        struct job_go *go = &u->go[u->ngos - 1];
+    while (u->nattempts > 0) {
+        struct job_attempt *attempt = &u->attempts[u->nattempts - 1];
 
-        if (go->attempt == u->lead) {
-            speed_took(job, c->now_ms - go->out_ms);
-            speed_finished(job, go);
+        if (attempt->number == u->lead) {
+            speed_took(job, c->now_ms - attempt->out_ms);
+            speed_finished(job, attempt);
         } else {
-            desk_send_attempt(c, job, MSG_REVOKE, go);
+            desk_send_attempt(c, job, MSG_REVOKE, attempt);
         }
-        holding_end(c, job, go);
+        holding_end(c, job, attempt);
     }
 }
 
@@ -395,7 +395,7 @@ finish_unit(struct coord *c, struct job *job, uint32_t unit)
     partition_area(job->partition, unit, &a);
     actions_log(&c->actions, ACT_DEBUG, "unit done job=%s unit=%u worker=%s",
                 job->hex, unit, job->workers[u->worker].name);
-    if (u->ngos > 0)
+    if (u->nattempts > 0)
         release_all(c, job, unit);
     else
         unit_take(job, unit); /* its worker was lost just before */

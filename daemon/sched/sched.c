@@ -383,7 +383,7 @@ sched_job_over(struct coord *c, struct job *job)
 {
     speed_keep(c, job);
     while (job->nout > 0)
-        holding_end(c, job, job->units[job->out[0]].go);
+        holding_end(c, job, job->units[job->out[0]].attempts);
     for (struct coord_worker *w = c->workers; w; w = w->next) {
         uint32_t index = desk_index(job, w);
 

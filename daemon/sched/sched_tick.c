@@ -6,7 +6,7 @@
 #include "desk/desk.h"
 #include "desk/holding.h"
 #include "desk/speed.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/job.h"
 #include "jobs/progress.h"
 #include "lines/handoff.h"
@@ -25,15 +25,15 @@ drain_parked(struct coord *c, struct job *job)
     for (uint32_t i = job->nout; i-- > 0;) {
         struct job_unit *u = &job->units[job->out[i]];
 
-        for (uint8_t k = u->ngos; k-- > 0;) {
-            struct job_go *go = &u->go[k];
+        for (uint8_t k = u->nattempts; k-- > 0;) {
+            struct job_attempt *attempt = &u->attempts[k];
 
-            if (!go_waits(go) || go->state == GO_YIELDING ||
-                go->handoff.top_sent ||
-                c->now_ms - go->parked_ms < DRAIN_WAIT_MS ||
-                desk_takes_units(job->workers[go->worker].worker))
+            if (!attempt_waits(attempt) || attempt->state == ATTEMPT_YIELDING ||
+                attempt->handoff.top_sent ||
+                c->now_ms - attempt->parked_ms < DRAIN_WAIT_MS ||
+                desk_takes_units(job->workers[attempt->worker].worker))
                 continue;
-            loss_taken(c, job, go);
+            loss_taken(c, job, attempt);
             break; /* other attempts may have moved */
         }
     }

@@ -62,27 +62,27 @@ rank_of(const struct coord *c, const struct coord_worker *w)
 }
 
 static bool
-may_yield(const struct job *job, const struct job_go *go)
+may_yield(const struct job *job, const struct job_attempt *attempt)
 {
-    const struct coord_worker *w = job->workers[go->worker].worker;
+    const struct coord_worker *w = job->workers[attempt->worker].worker;
 
-    return w->conn != 0 && go->state != GO_DELIVERED &&
-           go->state != GO_YIELDING &&
-           job->workers[go->worker].state == PART_READY;
+    return w->conn != 0 && attempt->state != ATTEMPT_DELIVERED &&
+           attempt->state != ATTEMPT_YIELDING &&
+           job->workers[attempt->worker].state == PART_READY;
 }
 
 /* Have one attempt's unit given back; the attempt may be over after that. */
 static void
-give_back(struct coord *c, struct job *job, struct job_go *go)
+give_back(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
     if (!partition_is_strict(job->partition)) {
-        loss_taken(c, job, go);
+        loss_taken(c, job, attempt);
         return;
     }
-    desk_log_unit(c, job, go, "unit yield");
-    holding_step(c, job, go, GO_YIELDING);
-    go->yield_ms = c->now_ms;
-    desk_send_attempt(c, job, MSG_YIELD, go);
+    desk_log_unit(c, job, attempt, "unit yield");
+    holding_step(c, job, attempt, ATTEMPT_YIELDING);
+    attempt->yield_ms = c->now_ms;
+    desk_send_attempt(c, job, MSG_YIELD, attempt);
 }
 
 /* Have all given back that the worker has of the job. */
@@ -92,23 +92,23 @@ give_all_back(struct coord *c, struct job *job, uint32_t index)
     for (uint32_t i = job->nout; i-- > 0;) {
         struct job_unit *u = &job->units[job->out[i]];
 
-        for (uint8_t k = u->ngos; k-- > 0;)
-            if (k < u->ngos && u->go[k].worker == index &&
-                may_yield(job, &u->go[k]))
-                give_back(c, job, &u->go[k]);
+        for (uint8_t k = u->nattempts; k-- > 0;)
+            if (k < u->nattempts && u->attempts[k].worker == index &&
+                may_yield(job, &u->attempts[k]))
+                give_back(c, job, &u->attempts[k]);
     }
 }
 
 static bool
 is_unanswered(const struct coord *c, const struct job *job,
-              const struct job_go *go)
+              const struct job_attempt *attempt)
 {
     const struct coord_worker *w;
 
-    if (go->state != GO_YIELDING)
+    if (attempt->state != ATTEMPT_YIELDING)
         return false;
-    w = job->workers[go->worker].worker;
-    return c->now_ms - go->yield_ms >=
+    w = job->workers[attempt->worker].worker;
+    return c->now_ms - attempt->yield_ms >=
            (desk_takes_units(w) ? LOST_MS : LEAVING_MS);
 }
 
@@ -120,9 +120,9 @@ give_up(struct coord *c, struct job *job)
     for (uint32_t i = job->nout; i-- > 0;) {
         struct job_unit *u = &job->units[job->out[i]];
 
-        for (uint8_t k = u->ngos; k-- > 0;)
-            if (k < u->ngos && is_unanswered(c, job, &u->go[k]))
-                loss_taken(c, job, &u->go[k]);
+        for (uint8_t k = u->nattempts; k-- > 0;)
+            if (k < u->nattempts && is_unanswered(c, job, &u->attempts[k]))
+                loss_taken(c, job, &u->attempts[k]);
     }
 }
 

@@ -6,7 +6,7 @@
 #include "base/rng.h"
 #include "worker/peer.h"
 #include "desk/desk.h"
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/unit.h"
@@ -715,12 +715,13 @@ describe(const struct net *net)
             fprintf(stderr,
                     "  unit %u frame %u rows %u to %u, %u here:", job->out[k],
                     a.frame, a.y, a.y + a.height, u->next_row);
-            for (uint8_t g = 0; g < u->ngos; g++)
+            for (uint8_t g = 0; g < u->nattempts; g++)
                 fprintf(stderr, " %s attempt %u %s%s%s",
-                        job->workers[u->go[g].worker].name, u->go[g].attempt,
-                        go_steps.state[u->go[g].state].name,
-                        u->go[g].origin == GO_LOAN ? " loan" : "",
-                        u->go[g].handoff.top_sent ? " top sent" : "");
+                        job->workers[u->attempts[g].worker].name,
+                        u->attempts[g].number,
+                        attempt_steps.state[u->attempts[g].state].name,
+                        u->attempts[g].origin == ATTEMPT_LOAN ? " loan" : "",
+                        u->attempts[g].handoff.top_sent ? " top sent" : "");
             fprintf(stderr, "\n");
         }
     }

@@ -292,10 +292,10 @@ takes_memory(void)
 static void *
 opens_later(void *arg)
 {
-    int *go = arg;
+    int *attempt = arg;
     char c;
 
-    if (read(*go, &c, 1) != 1) /* until the filter is on */
+    if (read(*attempt, &c, 1) != 1) /* until the filter is on */
         return NULL;
     return reads_inside() ? arg : NULL;
 }

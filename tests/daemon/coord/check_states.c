@@ -2,7 +2,7 @@
  * these, and workers' parts in a job, and what may follow what */
 #include "config.h"
 
-#include "jobs/go.h"
+#include "jobs/attempt.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/unit.h"
@@ -27,10 +27,10 @@ struct machine {
 static int
 take_go(int from, int to)
 {
-    struct job_go go = { .state = (enum go_state)from };
+    struct job_attempt attempt = { .state = (enum attempt_state)from };
 
-    go_step(&go, (enum go_state)to);
-    return (int)go.state;
+    attempt_step(&attempt, (enum attempt_state)to);
+    return (int)attempt.state;
 }
 
 static int
@@ -70,7 +70,7 @@ take_stage(int from, int to)
 }
 
 static const struct machine machines[] = {
-    { &go_steps,
+    { &attempt_steps,
       take_go,
       { "over: working", "working: parked blocked yielding delivered over",
         "parked: working yielding delivered over",
@@ -173,17 +173,19 @@ LOOP_TEST(the_drawings_name_states_that_there_are, N_ELEM(machines))
     ck_assert_uint_eq(n, words);
 }
 
-LOOP_TEST(an_attempt_works_or_waits_or_neither, GO_STATES)
+LOOP_TEST(an_attempt_works_or_waits_or_neither, ATTEMPT_STATES)
 {
     static const struct {
         bool works, waits;
-    } is[GO_STATES] = {
-        [GO_WORKING] = { true, false },    [GO_PARKED] = { false, true },
-        [GO_BLOCKED] = { false, true },    [GO_YIELDING] = { false, true },
-        [GO_DELIVERED] = { false, false },
+    } is[ATTEMPT_STATES] = {
+        [ATTEMPT_WORKING] = { true, false },
+        [ATTEMPT_PARKED] = { false, true },
+        [ATTEMPT_BLOCKED] = { false, true },
+        [ATTEMPT_YIELDING] = { false, true },
+        [ATTEMPT_DELIVERED] = { false, false },
     };
-    const struct job_go go = { .state = (enum go_state)_i };
+    const struct job_attempt attempt = { .state = (enum attempt_state)_i };
 
-    ck_assert_int_eq(go_works(&go), is[_i].works);
-    ck_assert_int_eq(go_waits(&go), is[_i].waits);
+    ck_assert_int_eq(attempt_works(&attempt), is[_i].works);
+    ck_assert_int_eq(attempt_waits(&attempt), is[_i].waits);
 }
