@@ -77,7 +77,7 @@ desk_index(const struct job *job, const struct coord_worker *w)
 }
 
 uint32_t
-desk_add_worker(struct coord *c, struct job *job, struct coord_worker *w)
+desk_add_part(struct coord *c, struct job *job, struct coord_worker *w)
 {
     while (job->nindex <= w->id) {
         if (!rad_list_grow(&job->index, job->nindex, sizeof *job->index))
@@ -89,7 +89,7 @@ desk_add_worker(struct coord *c, struct job *job, struct coord_worker *w)
 
         job->index[w->id] = i;
         if (i != JOB_NOBODY)
-            job->workers[i].worker = w;
+            job->parts[i].worker = w;
         if (i == 0) /* the first */
             order_move(c, job);
     }
@@ -105,25 +105,25 @@ desk_takes_units(const struct coord_worker *w)
 bool
 desk_is_ready(const struct job *job, uint32_t index)
 {
-    const struct job_worker *jw = &job->workers[index];
+    const struct job_part *part = &job->parts[index];
 
-    return jw->state == PART_READY && jw->worker->conn != 0;
+    return part->state == PART_READY && part->worker->conn != 0;
 }
 
 bool
 desk_may_take_part(const struct job *job, uint32_t index)
 {
-    const struct job_worker *jw = &job->workers[index];
+    const struct job_part *part = &job->parts[index];
 
-    return part_is_here(jw) && !jw->late && desk_takes_units(jw->worker);
+    return part_is_here(part) && !part->late && desk_takes_units(part->worker);
 }
 
 void
 desk_late(struct job *job, uint32_t index, bool late)
 {
-    if (job->workers[index].late == late)
+    if (job->parts[index].late == late)
         return;
-    job->workers[index].late = late;
+    job->parts[index].late = late;
     if (job->partition)
         partition_set_absent(job->partition, index,
                              !desk_may_take_part(job, index));
@@ -179,7 +179,7 @@ void
 desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
                   const struct job_attempt *attempt)
 {
-    const struct coord_worker *w = job->workers[attempt->worker].worker;
+    const struct coord_worker *w = job->parts[attempt->part].worker;
     struct msg m = { .type = type,
                      .revoke = { job->id, attempt->unit, attempt->number } };
 
@@ -198,7 +198,7 @@ desk_log_unit(struct coord *c, const struct job *job,
                 "%s job=%s unit=%u attempt=%u worker=%s frame=%u x=%u y=%u "
                 "width=%u height=%u",
                 what, job->hex, attempt->unit, attempt->number,
-                job->workers[attempt->worker].name, a.frame, a.x, a.y, a.width,
+                job->parts[attempt->part].name, a.frame, a.x, a.y, a.width,
                 a.height);
 }
 
@@ -206,8 +206,8 @@ void
 desk_keep_unit(struct coord *c, const struct job *job, uint32_t unit)
 {
     const struct job_unit *u = &job->units[unit];
-    const struct job_worker *jw =
-        u->worker != JOB_NOBODY ? &job->workers[u->worker] : NULL;
+    const struct job_part *part =
+        u->part != JOB_NOBODY ? &job->parts[u->part] : NULL;
     struct saved_unit *s;
     struct action *a;
 
@@ -225,8 +225,8 @@ desk_keep_unit(struct coord *c, const struct job *job, uint32_t unit)
     s->attempt = u->lead;
     s->tries = u->tries;
     s->stored = u->stored_rows;
-    s->fingerprint = jw ? jw->fingerprint : 0;
-    s->worker = actions_keep_text(&c->actions, jw ? jw->name : "");
+    s->fingerprint = part ? part->fingerprint : 0;
+    s->worker = actions_keep_text(&c->actions, part ? part->name : "");
 }
 
 bool
@@ -246,9 +246,9 @@ desk_others_may(const struct coord *c, const struct job *job,
         uint32_t i = desk_index(job, o);
 
         if (o != w && desk_takes_units(o) &&
-            (i == JOB_NOBODY || (job->workers[i].state != PART_EXCLUDED &&
-                                 job->workers[i].state != PART_NO_ROOM &&
-                                 (late || !job->workers[i].late))))
+            (i == JOB_NOBODY || (job->parts[i].state != PART_EXCLUDED &&
+                                 job->parts[i].state != PART_NO_ROOM &&
+                                 (late || !job->parts[i].late))))
             return true;
     }
     return false;
@@ -273,21 +273,21 @@ desk_splits(const struct job *job)
 bool
 desk_is_idle(const struct job *job, uint32_t index)
 {
-    const struct job_worker *jw = &job->workers[index];
+    const struct job_part *part = &job->parts[index];
 
-    return jw->state == PART_READY && desk_takes_units(jw->worker) &&
-           !jw->lags &&
-           (!jw->worker->fills || jw->worker->fills == job ||
-            jw->worker->fills->spec.priority < job->spec.priority) &&
-           (jw->worker->in_flight == 0 ||
-            jw->worker->priority < job->spec.priority) &&
-           !jw->worker->alone;
+    return part->state == PART_READY && desk_takes_units(part->worker) &&
+           !part->lags &&
+           (!part->worker->fills || part->worker->fills == job ||
+            part->worker->fills->spec.priority < job->spec.priority) &&
+           (part->worker->in_flight == 0 ||
+            part->worker->priority < job->spec.priority) &&
+           !part->worker->alone;
 }
 
 bool
 desk_gives_way(const struct job *job, uint32_t index)
 {
-    const struct coord_worker *w = job->workers[index].worker;
+    const struct coord_worker *w = job->parts[index].worker;
 
     return job->state == JOB_PAUSED || !desk_takes_units(w) ||
            job->spec.priority < w->rank;

@@ -99,13 +99,12 @@ struct job *desk_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
 struct coord_worker *desk_find_worker(const struct coord *c, const char *name);
 /* The owner of that name, made if need be; NULL: memory is out. */
 struct coord_owner *desk_owner(struct coord *c, const char *name);
-/* Index of the worker in the job; JOB_NOBODY: it has no part in the job. */
+/* Index of the worker's part in the job; JOB_NOBODY: it has none. */
 uint32_t desk_index(const struct job *job, const struct coord_worker *w);
-/* The worker's index in the job, made if need be; JOB_NOBODY: out of memory. */
-uint32_t desk_add_worker(struct coord *c, struct job *j,
-                         struct coord_worker *w);
+/* The same, the part made if need be; JOB_NOBODY: memory is out. */
+uint32_t desk_add_part(struct coord *c, struct job *j, struct coord_worker *w);
 
-/* The job that a message of worker w names; *index: the worker's in the job.
+/* The job that a message of worker w names; *index: of the worker's part.
  * NULL: the job is over or unknown, and the worker is sent JOB_END. */
 struct job *desk_job_of(struct coord *c, const struct coord_worker *w,
                         const uint8_t *id, uint32_t *index);

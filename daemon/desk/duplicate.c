@@ -40,7 +40,7 @@ duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
         u->hashes.row = calloc(height, sizeof *u->hashes.row);
         u->hashes.n = u->hashes.row ? height : 0; /* 0: nothing is compared */
     }
-    u->hashes.fingerprint = job->workers[index].fingerprint;
+    u->hashes.fingerprint = job->parts[index].fingerprint;
     for (uint32_t i = 0; i < m->rows && m->row + i < u->hashes.n; i++) {
         size_t n = row_bytes(m, at);
 
@@ -59,7 +59,7 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
     /* rows of an attempt of an earlier life may be of another unit: that life
      * may have given this number to a unit of which nothing was kept */
     if (m->attempt < unit_first_attempt(job) ||
-        u->hashes.fingerprint != job->workers[index].fingerprint)
+        u->hashes.fingerprint != job->parts[index].fingerprint)
         return;
     for (uint32_t i = 0; i < m->rows && m->row + i < u->hashes.n;
          i++, at += n) {
@@ -71,8 +71,8 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
         actions_log(&c->actions, ACT_ERR,
                     "duplicate differs job=%s unit=%u row=%u worker=%s "
                     "first=%s",
-                    job->hex, m->unit, m->row + i, job->workers[index].name,
-                    job->workers[u->worker].name);
+                    job->hex, m->unit, m->row + i, job->parts[index].name,
+                    job->parts[u->part].name);
         return;
     }
 }

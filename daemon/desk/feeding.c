@@ -17,7 +17,7 @@ _Static_assert(FED <= MSG_MOST_FED, "names in FEED");
 bool
 feeding_is_direct(const struct job *job, uint32_t index)
 {
-    return desk_is_ready(job, index) && job->workers[index].feeder == 0;
+    return desk_is_ready(job, index) && job->parts[index].feeder == 0;
 }
 
 /* The number of links on the way from the coordinator to the worker; 0: the way
@@ -27,8 +27,8 @@ depth(const struct job *job, uint32_t index, uint32_t not_by)
 {
     uint32_t n = 1;
 
-    for (; index != not_by && job->workers[index].feeder > 0; n++)
-        index = job->workers[index].feeder - 1;
+    for (; index != not_by && job->parts[index].feeder > 0; n++)
+        index = job->parts[index].feeder - 1;
     return index == not_by ? 0 : n;
 }
 
@@ -37,8 +37,8 @@ count_fed(const struct job *job, uint32_t feeder)
 {
     uint32_t n = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        n += desk_is_ready(job, i) && job->workers[i].feeder == feeder;
+    for (uint32_t i = 0; i < job->nparts; i++)
+        n += desk_is_ready(job, i) && job->parts[i].feeder == feeder;
     return n;
 }
 
@@ -50,9 +50,9 @@ count_direct(const struct job *job, uint32_t index)
 {
     uint32_t n = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nparts; i++)
         n += i != index && feeding_is_direct(job, i) &&
-             job->workers[i].failures <= job->workers[index].failures;
+             job->parts[i].failures <= job->parts[index].failures;
     return n;
 }
 
@@ -67,12 +67,12 @@ choose_feeder(const struct coord *c, const struct job *job, uint32_t index)
 
     if (count_direct(job, index) < (c->env.direct > 0 ? c->env.direct : DIRECT))
         return 0;
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        uint64_t k = (uint64_t)job->workers[i].failures << 32;
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        uint64_t k = (uint64_t)job->parts[i].failures << 32;
 
         if (desk_is_ready(job, i) && (n = depth(job, i, index)) > 0 &&
             k + n < least && count_fed(job, i + 1) < FED &&
-            linking_can(job->workers[i].worker, job->workers[index].worker)) {
+            linking_can(job->parts[i].worker, job->parts[index].worker)) {
             best = i + 1;
             least = k + n;
         }
@@ -88,11 +88,11 @@ send_feed(struct coord *c, const struct job *job, uint32_t feeder)
 
     if (feeder == 0 || !desk_is_ready(job, feeder - 1))
         return;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (desk_is_ready(job, i) && job->workers[i].feeder == feeder &&
+    for (uint32_t i = 0; i < job->nparts; i++)
+        if (desk_is_ready(job, i) && job->parts[i].feeder == feeder &&
             m.feed.n < MSG_MOST_FED)
-            m.feed.name[m.feed.n++] = job->workers[i].name;
-    actions_send(&c->actions, job->workers[feeder - 1].worker->conn, &m);
+            m.feed.name[m.feed.n++] = job->parts[i].name;
+    actions_send(&c->actions, job->parts[feeder - 1].worker->conn, &m);
 }
 
 static void
@@ -100,7 +100,7 @@ assign_feeder(struct coord *c, struct job *job, uint32_t index)
 {
     uint32_t feeder = choose_feeder(c, job, index);
 
-    job->workers[index].feeder = feeder;
+    job->parts[index].feeder = feeder;
     if (feeder == 0)
         return;
     linking_need(c, job, feeder - 1, index);
@@ -113,16 +113,16 @@ static void
 change_feeder(struct coord *c, struct job *job, uint32_t index)
 {
     assign_feeder(c, job, index);
-    job->workers[index].excused = MSG_OPEN_PASSES + 1;
+    job->parts[index].excused = MSG_OPEN_PASSES + 1;
 }
 
 void
 feeding_join(struct coord *c, struct job *job, uint32_t index)
 {
-    struct job_worker *jw = &job->workers[index];
+    struct job_part *part = &job->parts[index];
 
-    jw->feeder = jw->failures = jw->excused = 0;
-    jw->missed = false;
+    part->feeder = part->failures = part->excused = 0;
+    part->missed = false;
     if (job->passes)
         assign_feeder(c, job, index);
 }
@@ -130,50 +130,50 @@ feeding_join(struct coord *c, struct job *job, uint32_t index)
 void
 feeding_left(struct coord *c, struct job *job, uint32_t index)
 {
-    uint32_t feeder = job->workers[index].feeder;
+    uint32_t feeder = job->parts[index].feeder;
 
-    job->workers[index].feeder = 0;
+    job->parts[index].feeder = 0;
     if (!job->passes)
         return;
     send_feed(c, job, feeder);
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].feeder == index + 1)
+    for (uint32_t i = 0; i < job->nparts; i++)
+        if (job->parts[i].feeder == index + 1)
             change_feeder(c, job, i);
 }
 
 void
 feeding_lacked(struct job *job, uint32_t index)
 {
-    job->workers[index].missed = true;
+    job->parts[index].missed = true;
 }
 
 /* Did the worker's feeder fail to pass records on?  A feeder that missed
  * records itself had none to pass on. */
 static bool
-is_failed(const struct job *job, const struct job_worker *jw)
+is_failed(const struct job *job, const struct job_part *part)
 {
-    return jw->missed && jw->excused == 0 && jw->feeder > 0 &&
-           !job->workers[jw->feeder - 1].missed;
+    return part->missed && part->excused == 0 && part->feeder > 0 &&
+           !job->parts[part->feeder - 1].missed;
 }
 
 void
 feeding_mend(struct coord *c, struct job *job)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        uint32_t feeder = job->workers[i].feeder;
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        uint32_t feeder = job->parts[i].feeder;
 
-        if (!desk_is_ready(job, i) || !is_failed(job, &job->workers[i]))
+        if (!desk_is_ready(job, i) || !is_failed(job, &job->parts[i]))
             continue;
-        job->workers[feeder - 1].failures++;
+        job->parts[feeder - 1].failures++;
         change_feeder(c, job, i);
         send_feed(c, job, feeder);
     }
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        struct job_worker *jw = &job->workers[i];
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        struct job_part *part = &job->parts[i];
 
         if (feeding_is_direct(job, i)) /* another may have fewer failures */
             change_feeder(c, job, i);
-        jw->excused -= jw->excused > 0;
-        jw->missed = false;
+        part->excused -= part->excused > 0;
+        part->missed = false;
     }
 }

@@ -18,7 +18,7 @@ holding_has_any(const struct job *job, const struct coord_worker *w)
 {
     uint32_t index = desk_index(job, w);
 
-    return index != JOB_NOBODY && job->workers[index].in_flight > 0;
+    return index != JOB_NOBODY && job->parts[index].in_flight > 0;
 }
 
 uint32_t
@@ -26,13 +26,13 @@ holding_workers(const struct job *job)
 {
     uint32_t n = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct job_worker *jw = &job->workers[i];
-        const struct coord_worker *w = jw->worker;
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        const struct job_part *part = &job->parts[i];
+        const struct coord_worker *w = part->worker;
         bool away = !desk_takes_units(w) || w->priority > job->spec.priority ||
                     (w->fills && w->fills->spec.priority > job->spec.priority);
 
-        n += part_is_here(jw) && (jw->counted_threads > 0 || !away);
+        n += part_is_here(part) && (part->counted_threads > 0 || !away);
     }
     return n;
 }
@@ -44,7 +44,7 @@ holding_rate(const struct coord *c, struct coord_worker *w)
     for (size_t i = 0; w->in_flight > 0 && i < c->nbegun; i++) {
         uint32_t index = desk_index(c->jobs[i], w);
 
-        if (index == JOB_NOBODY || c->jobs[i]->workers[index].in_flight == 0)
+        if (index == JOB_NOBODY || c->jobs[i]->parts[index].in_flight == 0)
             continue;
         w->priority = c->jobs[i]->spec.priority;
         return;
@@ -54,15 +54,15 @@ holding_rate(const struct coord *c, struct coord_worker *w)
 /* Count the worker's threads for the job's payer while it has attempts in
  * flight of the job, makes its tiles, or estimates its areas. */
 static void
-count_threads(struct job *job, struct job_worker *jw)
+count_threads(struct job *job, struct job_part *part)
 {
-    bool works = jw->in_flight > 0 || jw->worker->fills == job;
+    bool works = part->in_flight > 0 || part->worker->fills == job;
 
-    if (works == (jw->counted_threads > 0))
+    if (works == (part->counted_threads > 0))
         return;
-    job->payer->threads -= jw->counted_threads;
-    jw->counted_threads = works ? jw->threads : 0;
-    job->payer->threads += jw->counted_threads;
+    job->payer->threads -= part->counted_threads;
+    part->counted_threads = works ? part->threads : 0;
+    job->payer->threads += part->counted_threads;
 }
 
 void
@@ -72,17 +72,17 @@ holding_fill(struct coord_worker *w, struct job *job)
 
     w->fills = job;
     if (old && old != job)
-        count_threads(old, &old->workers[desk_index(old, w)]);
+        count_threads(old, &old->parts[desk_index(old, w)]);
     if (job)
-        count_threads(job, &job->workers[desk_index(job, w)]);
+        count_threads(job, &job->parts[desk_index(job, w)]);
 }
 
 void
 holding_survey(struct job *job, uint32_t index, uint32_t chunk)
 {
-    struct coord_worker *w = job->workers[index].worker;
+    struct coord_worker *w = job->parts[index].worker;
 
-    job->workers[index].surveying = chunk;
+    job->parts[index].surveying = chunk;
     if (chunk > 0)
         holding_fill(w, job);
     else if (w->fills == job)
@@ -92,49 +92,49 @@ holding_survey(struct job *job, uint32_t index, uint32_t chunk)
 static void
 more_in_flight(struct job *job, struct job_attempt *attempt)
 {
-    struct job_worker *jw = &job->workers[attempt->worker];
+    struct job_part *part = &job->parts[attempt->part];
 
-    jw->in_flight++;
-    count_threads(job, jw);
-    holding_fill(jw->worker, NULL);
-    if (jw->worker->in_flight++ == 0 ||
-        job->spec.priority > jw->worker->priority)
-        jw->worker->priority = job->spec.priority;
+    part->in_flight++;
+    count_threads(job, part);
+    holding_fill(part->worker, NULL);
+    if (part->worker->in_flight++ == 0 ||
+        job->spec.priority > part->worker->priority)
+        part->worker->priority = job->spec.priority;
 }
 
 static void
-less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw)
+less_in_flight(const struct coord *c, struct job *job, struct job_part *part)
 {
-    jw->in_flight--;
-    count_threads(job, jw);
-    jw->worker->in_flight--;
-    if (jw->in_flight == 0)
-        holding_rate(c, jw->worker);
-    if (jw->worker->in_flight > 0)
+    part->in_flight--;
+    count_threads(job, part);
+    part->worker->in_flight--;
+    if (part->in_flight == 0)
+        holding_rate(c, part->worker);
+    if (part->worker->in_flight > 0)
         return;
-    jw->worker->alone = false;
-    jw->worker->free_ms = c->now_ms;
+    part->worker->alone = false;
+    part->worker->free_ms = c->now_ms;
 }
 
 void
 holding_step(struct coord *c, struct job *job, struct job_attempt *attempt,
              enum attempt_state to)
 {
-    struct job_worker *jw = &job->workers[attempt->worker];
+    struct job_part *part = &job->parts[attempt->part];
     enum attempt_state from = attempt->state;
     bool waited = attempt_waits(attempt), waits;
 
-    speed_touch(c, jw);
+    speed_touch(c, part);
     attempt_step(attempt, to);
     waits = attempt_waits(attempt);
     if (waited && waits)
         return;
-    jw->parked += waits - waited;
-    jw->worker->parked += waits - waited;
-    jw->worker->delivered +=
+    part->parked += waits - waited;
+    part->worker->parked += waits - waited;
+    part->worker->delivered +=
         (to == ATTEMPT_DELIVERED) - (from == ATTEMPT_DELIVERED);
     if (from == ATTEMPT_WORKING)
-        less_in_flight(c, job, jw);
+        less_in_flight(c, job, part);
     if (to == ATTEMPT_WORKING)
         more_in_flight(job, attempt);
     else
@@ -151,7 +151,7 @@ holding_begin(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
 
     if (!attempt)
         return NULL;
-    attempt->worker = index;
+    attempt->part = index;
     attempt->number = number;
     attempt->out_ms = c->now_ms;
     holding_step(c, job, attempt, ATTEMPT_WORKING);
@@ -196,7 +196,7 @@ end_loan(struct coord *c, struct job *job, const struct job_attempt *loan)
     if (to->state == ATTEMPT_DELIVERED)
         return;
     partition_unit_lines(job->partition, loan->unit, &first, &last);
-    holding_send_back(c, job->workers[to->worker].worker,
+    holding_send_back(c, job->parts[to->part].worker,
                       &(struct msg_back){ job->id, loan->unit, to->number,
                                           last - 1, loan->lending.x,
                                           loan->lending.n });

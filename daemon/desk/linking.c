@@ -92,10 +92,10 @@ void
 linking_drop(struct coord *c, const struct job *job,
              const struct coord_worker *w)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct coord_worker *o = job->workers[i].worker;
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        const struct coord_worker *o = job->parts[i].worker;
 
-        if (o != w && o->conn != 0 && part_is_here(&job->workers[i]))
+        if (o != w && o->conn != 0 && part_is_here(&job->parts[i]))
             linking_end(c, job, o, w);
     }
 }
@@ -104,7 +104,7 @@ static bool
 can_be_linked(const struct job *job, uint32_t a, uint32_t b)
 {
     return a != b && desk_is_ready(job, a) && desk_is_ready(job, b) &&
-           linking_can(job->workers[a].worker, job->workers[b].worker);
+           linking_can(job->parts[a].worker, job->parts[b].worker);
 }
 
 static bool
@@ -136,26 +136,26 @@ end_link(struct coord *c, struct job *job, size_t i)
     const uint32_t end[2] = { l->pair[i].a, l->pair[i].b };
 
     for (int k = 0; k < 2; k++)
-        if (job->workers[end[k]].worker->conn != 0 &&
-            part_is_here(&job->workers[end[k]]))
-            linking_end(c, job, job->workers[end[k]].worker,
-                        job->workers[end[!k]].worker);
+        if (job->parts[end[k]].worker->conn != 0 &&
+            part_is_here(&job->parts[end[k]]))
+            linking_end(c, job, job->parts[end[k]].worker,
+                        job->parts[end[!k]].worker);
     memmove(&l->pair[i], &l->pair[i + 1], (--l->n - i) * sizeof l->pair[0]);
 }
 
 void
 linking_join(struct coord *c, struct job *job, uint32_t index)
 {
-    const struct coord_worker *w = job->workers[index].worker;
+    const struct coord_worker *w = job->parts[index].worker;
     uint32_t n = 0;
 
     if (!shares_records(job))
         return;
-    for (uint32_t k = 1; k < job->nworkers && n < MOST_LINKED; k++) {
-        uint32_t i = (index + job->nworkers - k) % job->nworkers;
+    for (uint32_t k = 1; k < job->nparts && n < MOST_LINKED; k++) {
+        uint32_t i = (index + job->nparts - k) % job->nparts;
 
-        n += desk_is_ready(job, i) &&
-             introduce(c, job, job->workers[i].worker, w);
+        n +=
+            desk_is_ready(job, i) && introduce(c, job, job->parts[i].worker, w);
     }
 }
 
@@ -209,7 +209,7 @@ linking_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
         return;
     make_room(c, job, a);
     make_room(c, job, b);
-    introduce(c, job, job->workers[a].worker, job->workers[b].worker);
+    introduce(c, job, job->parts[a].worker, job->parts[b].worker);
     if (!note_link(job->links, a, b))
         c->actions.failed = true;
 }

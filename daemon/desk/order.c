@@ -54,7 +54,7 @@ static enum order_rank
 rank_of(const struct job *job)
 {
     if (!job_over(job) || job->ending)
-        return job->nworkers > 0 ? ORDER_BEGUN : ORDER_QUEUED;
+        return job->nparts > 0 ? ORDER_BEGUN : ORDER_QUEUED;
     return job->stage == STAGE_FILED ? ORDER_FILED : ORDER_ENDED;
 }
 

@@ -42,13 +42,13 @@ clamp(double v)
 }
 
 void
-speed_touch(const struct coord *c, struct job_worker *jw)
+speed_touch(const struct coord *c, struct job_part *part)
 {
-    uint64_t ms = c->now_ms - jw->since_ms;
+    uint64_t ms = c->now_ms - part->since_ms;
 
-    if (jw->in_flight > 0)
-        jw->work_ms += ms;
-    jw->since_ms = c->now_ms;
+    if (part->in_flight > 0)
+        part->work_ms += ms;
+    part->since_ms = c->now_ms;
 }
 
 void
@@ -62,16 +62,16 @@ speed_finished(struct job *job, struct job_attempt *attempt)
 
 /* Rays that a thread of the worker traces in a ms of work; 0: not known yet. */
 static double
-measured(const struct job_worker *jw)
+measured(const struct job_part *part)
 {
-    double rays = (double)jw->rays + (double)jw->tally.dropped.rays +
-                  (double)jw->past.dropped.rays;
+    double rays = (double)part->rays + (double)part->tally.dropped.rays +
+                  (double)part->past.dropped.rays;
 
-    if (jw->state == PART_READY)
-        rays += (double)jw->tally.rays_under_way;
-    if (jw->work_ms < ENOUGH_MS || !(rays > 0) || jw->threads == 0)
+    if (part->state == PART_READY)
+        rays += (double)part->tally.rays_under_way;
+    if (part->work_ms < ENOUGH_MS || !(rays > 0) || part->threads == 0)
         return 0;
-    return rays / (double)jw->work_ms / jw->threads;
+    return rays / (double)part->work_ms / part->threads;
 }
 
 /* The mean of measured() over the workers for which it is known; 0: none. */
@@ -81,8 +81,8 @@ mean_measured(const struct job *job)
     double sum = 0;
     uint32_t n = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        double v = measured(&job->workers[i]);
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        double v = measured(&job->parts[i]);
 
         sum += v;
         n += v > 0;
@@ -119,18 +119,18 @@ speed_measure(const struct coord *c, struct job *job)
         return;
     job->speed.all = job->speed.workload = 0;
     job->speed.threads = 0;
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        struct job_worker *jw = &job->workers[i];
-        double v = measured(jw);
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        struct job_part *part = &job->parts[i];
+        double v = measured(part);
 
-        speed_touch(c, jw);
-        jw->speed = jw->threads *
-                    (v > 0 ? clamp(v / mean) : clamp(jw->worker->relative));
-        job->speed.workload += (double)jw->work_ms * jw->speed;
-        if (jw->state == PART_READY)
-            job->speed.threads += jw->threads;
-        if (part_is_here(jw))
-            job->speed.all += jw->speed;
+        speed_touch(c, part);
+        part->speed = part->threads *
+                      (v > 0 ? clamp(v / mean) : clamp(part->worker->relative));
+        job->speed.workload += (double)part->work_ms * part->speed;
+        if (part->state == PART_READY)
+            job->speed.threads += part->threads;
+        if (part_is_here(part))
+            job->speed.all += part->speed;
     }
     done = job->speed.finished + under_way(job);
     if (job->speed.workload > 0 && done > 0)
@@ -144,9 +144,9 @@ speed_keep(const struct coord *c, struct job *job)
 
     speed_measure(c, job);
     mean = mean_measured(job);
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        double v = measured(&job->workers[i]);
-        struct coord_worker *w = job->workers[i].worker;
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        double v = measured(&job->parts[i]);
+        struct coord_worker *w = job->parts[i].worker;
 
         if (v > 0) /* the mean of old and new, since jobs differ */
             w->relative = clamp((w->relative + v / mean) / 2);
@@ -156,30 +156,30 @@ speed_keep(const struct coord *c, struct job *job)
 double
 speed_cost(const struct job *job, uint32_t index, double ms)
 {
-    return job->speed.pace * job->workers[index].speed * ms;
+    return job->speed.pace * job->parts[index].speed * ms;
 }
 
 double
 speed_left_ms(const struct coord *c, const struct job *job,
               const struct job_attempt *attempt)
 {
-    const struct job_worker *jw = &job->workers[attempt->worker];
+    const struct job_part *part = &job->parts[attempt->part];
     const struct job_unit *u = &job->units[attempt->unit];
     double cost = partition_cost(job->partition, attempt->unit), rate, ms, past;
     struct partition_area a;
-    double part;
+    double done;
 
     if (job->speed.pace <= 0) /* unknown: any large time, in order of costs */
         return 1e9 * cost / partition_cost_total(job->partition);
-    rate = speed_cost(job, attempt->worker, 1) /
-           (jw->in_flight ? jw->in_flight : 1);
+    rate = speed_cost(job, attempt->part, 1) /
+           (part->in_flight ? part->in_flight : 1);
     ms = cost / rate;
     if (u->lead == attempt->number && u->next_row > 0) {
         /* at the attempt's own pace, since parts of a picture differ */
         partition_area(job->partition, attempt->unit, &a);
-        part = (double)u->next_row / a.height;
-        return (double)(c->now_ms - attempt->out_ms) * (1 - part) /
-               (part + LINES_FIRST);
+        done = (double)u->next_row / a.height;
+        return (double)(c->now_ms - attempt->out_ms) * (1 - done) /
+               (done + LINES_FIRST);
     }
     /* a unit that is over its time may take as long again, or has waited for
      * another unit of its worker: the time left is never 0 */
@@ -192,19 +192,19 @@ speed_left_ms(const struct coord *c, const struct job *job,
 void
 speed_share(struct coord *c, struct job *job)
 {
-    double *v = calloc(job->nworkers, sizeof *v);
+    double *v = calloc(job->nparts, sizeof *v);
     bool others = false;
 
     speed_measure(c, job);
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nparts; i++)
         others |= desk_may_take_part(job, i);
-    for (uint32_t i = 0; v && i < job->nworkers; i++)
-        if (part_is_here(&job->workers[i]) &&
+    for (uint32_t i = 0; v && i < job->nparts; i++)
+        if (part_is_here(&job->parts[i]) &&
             (!others || desk_may_take_part(job, i)))
-            v[i] = job->workers[i].speed;
-    if (!v || !partition_set_speeds(job->partition, v, job->nworkers))
+            v[i] = job->parts[i].speed;
+    if (!v || !partition_set_speeds(job->partition, v, job->nparts))
         c->actions.failed = true;
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nparts; i++)
         partition_set_absent(job->partition, i, !desk_may_take_part(job, i));
     free(v);
 }

@@ -7,7 +7,7 @@
 #include "desk/desk.h"
 
 /* Bring a worker's work_ms up to date; call it before its attempts change. */
-void speed_touch(const struct coord *c, struct job_worker *jw);
+void speed_touch(const struct coord *c, struct job_part *part);
 /* Count the unit's cost as worked off by the attempt's worker, once for each
  * attempt. */
 void speed_finished(struct job *job, struct job_attempt *attempt);

@@ -1,7 +1,7 @@
 /* worker.h - a worker that is, or was, connected to the coordinator
  *
  * desk_takes_units() says whether it may get work.  Its part in a job is a
- * struct job_worker (jobs/part.h).
+ * struct job_part (jobs/part.h).
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_DESK_WORKER_H
 #define DAEMON_DESK_WORKER_H

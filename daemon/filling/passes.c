@@ -543,8 +543,8 @@ count_tile(struct job *job, uint32_t pass, uint32_t index,
            const struct msg_counts *counts)
 {
     msg_counts_add(&job->passes->closed[pass].counts, counts);
-    job->workers[index].setbacks = 0;
-    job->workers[index].surveyed_rays += counts->rays;
+    job->parts[index].setbacks = 0;
+    job->parts[index].surveyed_rays += counts->rays;
     progress_count_tiles(job, counts);
     progress_see(job);
 }
@@ -580,8 +580,8 @@ take_tile(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
     struct tile *t = &k->tile[m->tile];
 
     if (tiles_take(k, t, index)) {
-        job->workers[index].ntiles[pass % MSG_OPEN_PASSES]--;
-        c->roomy = job->workers[index].worker;
+        job->parts[index].ntiles[pass % MSG_OPEN_PASSES]--;
+        c->roomy = job->parts[index].worker;
     }
     if (t->made)
         return false;
@@ -616,7 +616,7 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
         if (take_tile(c, job, pass, index, m))
             return;
     }
-    msg_counts_add(&job->workers[index].past.dropped, &m->counts);
+    msg_counts_add(&job->parts[index].past.dropped, &m->counts);
 }
 
 /* --- records of another job --- */

@@ -32,7 +32,7 @@ bool
 records_allow(const struct job *job, uint32_t index, uint32_t passes)
 {
     return desk_is_ready(job, index) &&
-           job->workers[index].passes >= job->passes->base + passes;
+           job->parts[index].passes >= job->passes->base + passes;
 }
 
 static struct msg
@@ -46,18 +46,18 @@ stage_of(const struct job *job)
 /* Send SHOW to a worker that was told of all passes of a job with a goal: the
  * options of the pictures, which were chosen after the worker's last STAGE. */
 static void
-show_pictures(struct coord *c, const struct job *job, struct job_worker *jw)
+show_pictures(struct coord *c, const struct job *job, struct job_part *part)
 {
     const struct passes *s = job->passes;
     struct msg m = { .type = MSG_SHOW,
                      .show = { job->id, s->base + s->n - 1,
                                goal_options(job) } };
 
-    if (!job->goal.ended || s->n == 0 || jw->shows || jw->lags ||
-        jw->passes != s->base + s->n)
+    if (!job->goal.ended || s->n == 0 || part->shows || part->lags ||
+        part->passes != s->base + s->n)
         return;
-    actions_send(&c->actions, jw->worker->conn, &m);
-    jw->shows = true;
+    actions_send(&c->actions, part->worker->conn, &m);
+    part->shows = true;
 }
 
 /* Pack a message once, and send it to each worker that wanted() names. */
@@ -74,9 +74,9 @@ send_some(struct coord *c, const struct job *job, const struct msg *m,
         c->actions.failed = true;
         return;
     }
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nparts; i++)
         if (wanted(job, i))
-            actions_send_kept(&c->actions, job->workers[i].worker->conn, kept,
+            actions_send_kept(&c->actions, job->parts[i].worker->conn, kept,
                               out->len);
 }
 
@@ -123,42 +123,43 @@ records_feed(struct coord *c, struct job *job, uint32_t pass, uint32_t tile)
  * store?
  */
 static bool
-awaits_store(const struct passes *s, const struct job_worker *jw)
+awaits_store(const struct passes *s, const struct job_part *part)
 {
-    return s->reuse != REUSE_NONE && jw->passes == 0;
+    return s->reuse != REUSE_NONE && part->passes == 0;
 }
 
 /* Must the worker answer that it has the records of the pass, before it gets
  * more?  Yes after a batch's last pass, for units follow; and if the worker has
  * a tile of the pass that another worker made meanwhile, for it may hang. */
 static bool
-must_confirm(const struct passes *s, const struct job_worker *jw, uint32_t pass)
+must_confirm(const struct passes *s, const struct job_part *part, uint32_t pass)
 {
-    return jw->ntiles[pass % MSG_OPEN_PASSES] > 0 ||
+    return part->ntiles[pass % MSG_OPEN_PASSES] > 0 ||
            rad_pass_is_last(s->plan, s->n, pass);
 }
 
 /* Tell a worker of closed passes, up to the first that the worker must confirm.
  */
 static void
-tell_closed(struct coord *c, const struct job *job, struct job_worker *jw)
+tell_closed(struct coord *c, const struct job *job, struct job_part *part)
 {
     const struct passes *s = job->passes;
 
-    while (!jw->lags && !awaits_store(s, jw) && jw->passes < passes_number(s)) {
-        uint32_t pass = jw->passes - s->base;
+    while (!part->lags && !awaits_store(s, part) &&
+           part->passes < passes_number(s)) {
+        uint32_t pass = part->passes - s->base;
         const struct closed *k = &s->closed[pass];
         struct msg m = { .type = MSG_CLOSED,
-                         .closed = { job->id, jw->passes, k->n, k->sum,
-                                     must_confirm(s, jw, pass) } };
+                         .closed = { job->id, part->passes, k->n, k->sum,
+                                     must_confirm(s, part, pass) } };
 
         if (m.closed.asks)
-            jw->lags = true;
+            part->lags = true;
         else
-            jw->passes++;
-        actions_send(&c->actions, jw->worker->conn, &m);
+            part->passes++;
+        actions_send(&c->actions, part->worker->conn, &m);
     }
-    show_pictures(c, job, jw);
+    show_pictures(c, job, part);
 }
 
 void
@@ -167,12 +168,12 @@ records_tell(struct coord *c, struct job *job)
     const struct passes *s = job->passes;
 
     feeding_mend(c, job);
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        struct job_worker *jw = &job->workers[i];
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        struct job_part *part = &job->parts[i];
 
         if (desk_is_ready(job, i))
-            tell_closed(c, job, jw);
-        jw->ntiles[(s->open - 1) % MSG_OPEN_PASSES] = 0;
+            tell_closed(c, job, part);
+        part->ntiles[(s->open - 1) % MSG_OPEN_PASSES] = 0;
     }
 }
 
@@ -191,48 +192,48 @@ records_to_users(struct coord *c, const struct job *job, uint32_t pass)
 
 /* Send a worker all that it lacks and that is here: stage, records, options. */
 static void
-catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
+catch_up(struct coord *c, const struct job *job, struct job_part *part)
 {
     const struct passes *s = job->passes;
 
-    if (!s || awaits_store(s, jw))
+    if (!s || awaits_store(s, part))
         return;
-    if (jw->passes < s->base) {
+    if (part->passes < s->base) {
         struct msg m = stage_of(job);
 
-        actions_send(&c->actions, jw->worker->conn, &m);
-        jw->passes = s->base;
+        actions_send(&c->actions, part->worker->conn, &m);
+        part->passes = s->base;
     }
-    for (; jw->passes < passes_number(s); jw->passes++)
-        send_closed(c, job, jw->passes - s->base, jw->worker);
-    jw->lacked = jw->passes;
-    show_pictures(c, job, jw);
+    for (; part->passes < passes_number(s); part->passes++)
+        send_closed(c, job, part->passes - s->base, part->worker);
+    part->lacked = part->passes;
+    show_pictures(c, job, part);
     if (job->filling)
-        send_made(c, job, jw->worker);
+        send_made(c, job, part->worker);
 }
 
 /* May the worker have passes of another stage?  With a limit of time a
  * restarted coordinator may decide on a stage in another way than its earlier
  * life. */
 static bool
-may_be_stale(const struct job *job, const struct job_worker *jw, uint32_t have)
+may_be_stale(const struct job *job, const struct job_part *part, uint32_t have)
 {
-    return job->spec.time_ms > 0 && have > jw->passes;
+    return job->spec.time_ms > 0 && have > part->passes;
 }
 
 bool
 records_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
 {
-    struct job_worker *jw = &job->workers[index];
+    struct job_part *part = &job->parts[index];
     struct passes *s = job->passes;
     uint32_t closed = s ? passes_number(s) : 0;
 
-    if (have > closed || may_be_stale(job, jw, have))
+    if (have > closed || may_be_stale(job, part, have))
         return false;
-    jw->passes = jw->lacked = have;
-    jw->lags = jw->shows = false;
-    memset(jw->ntiles, 0, sizeof jw->ntiles);
-    catch_up(c, job, jw);
+    part->passes = part->lacked = have;
+    part->lags = part->shows = false;
+    memset(part->ntiles, 0, sizeof part->ntiles);
+    catch_up(c, job, part);
     return true;
 }
 
@@ -242,30 +243,30 @@ records_holds(struct coord *c, struct coord_worker *w, const struct msg *msg)
     const struct msg_holds *m = &msg->holds;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
-    struct job_worker *jw = job ? &job->workers[index] : NULL;
+    struct job_part *part = job ? &job->parts[index] : NULL;
 
-    if (!jw || !job->passes || m->pass < jw->lacked ||
-        m->pass >= jw->passes + jw->lags || m->pass < job->passes->base)
+    if (!part || !job->passes || m->pass < part->lacked ||
+        m->pass >= part->passes + part->lags || m->pass < job->passes->base)
         return;
     if (!m->whole) {
         feeding_lacked(job, index);
         send_closed(c, job, m->pass - job->passes->base, w);
-        jw->lacked = m->pass + 1;
+        part->lacked = m->pass + 1;
     }
-    if (m->pass != jw->passes)
+    if (m->pass != part->passes)
         return;
-    jw->passes++;
-    jw->lags = false;
-    tell_closed(c, job, jw);
+    part->passes++;
+    part->lags = false;
+    tell_closed(c, job, part);
     c->stirred = true;
 }
 
 void
 records_came(struct coord *c, struct job *job)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (desk_is_ready(job, i) && job->workers[i].passes == 0)
-            catch_up(c, job, &job->workers[i]);
+    for (uint32_t i = 0; i < job->nparts; i++)
+        if (desk_is_ready(job, i) && job->parts[i].passes == 0)
+            catch_up(c, job, &job->parts[i]);
 }
 
 void
@@ -273,12 +274,13 @@ records_drop(struct coord *c, struct job *job)
 {
     struct msg m = stage_of(job);
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        struct job_worker *jw = &job->workers[i];
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        struct job_part *part = &job->parts[i];
 
-        memset(jw->ntiles, 0, sizeof jw->ntiles);
-        jw->passes = jw->lacked = desk_is_ready(job, i) ? job->passes->base : 0;
-        jw->lags = false;
+        memset(part->ntiles, 0, sizeof part->ntiles);
+        part->passes = part->lacked =
+            desk_is_ready(job, i) ? job->passes->base : 0;
+        part->lags = false;
     }
     send_some(c, job, &m, desk_is_ready);
 }

@@ -111,7 +111,7 @@ may_have(const struct coord *c, const struct job *job, const struct tile *t,
 {
     return !t->made && t->nholders < HOLDERS && !has_tile(t, index) &&
            (t->crashes == 0 || t->crasher != index ||
-            !desk_others_may(c, job, job->workers[index].worker, false));
+            !desk_others_may(c, job, job->parts[index].worker, false));
 }
 
 static bool
@@ -183,12 +183,12 @@ choose(const struct coord *c, const struct job *job, uint32_t index,
 }
 
 uint32_t
-tiles_out(const struct job_worker *jw)
+tiles_out(const struct job_part *part)
 {
     uint32_t n = 0;
 
     for (int i = 0; i < MSG_OPEN_PASSES; i++)
-        n += jw->ntiles[i];
+        n += part->ntiles[i];
     return n;
 }
 
@@ -233,16 +233,16 @@ static bool
 has_room(const struct coord *c, const struct job *job, uint32_t index)
 {
     const struct passes *s = job->passes;
-    const struct job_worker *jw = &job->workers[index];
-    uint32_t n = jw->threads;
+    const struct job_part *part = &job->parts[index];
+    uint32_t n = part->threads;
     uint32_t waiting = 0;
-    bool mixed = jw->worker->in_flight > jw->in_flight;
+    bool mixed = part->worker->in_flight > part->in_flight;
 
-    if (mixed && renders_lines(c, job, jw->worker))
+    if (mixed && renders_lines(c, job, part->worker))
         return false;
     for (uint32_t i = s->open; i < s->opened && waiting == 0; i++)
         waiting = s->sheet[i % MSG_OPEN_PASSES].waiting;
-    return jw->worker->in_flight + tiles_out(jw) <
+    return part->worker->in_flight + tiles_out(part) <
            n + (mixed ? 0 : most_ahead(job, n, waiting));
 }
 
@@ -251,13 +251,13 @@ tiles_has(const struct coord *c, const struct job *job, uint32_t index)
 {
     uint32_t pass;
 
-    return tiles_out(&job->workers[index]) > 0 || choose(c, job, index, &pass);
+    return tiles_out(&job->parts[index]) > 0 || choose(c, job, index, &pass);
 }
 
 bool
 tiles_give(struct coord *c, struct job *job, uint32_t index)
 {
-    struct job_worker *jw = &job->workers[index];
+    struct job_part *part = &job->parts[index];
     struct passes *s = job->passes;
     struct msg m = { .type = MSG_TILE };
     struct sheet *k;
@@ -274,8 +274,8 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     list_newest(k, t);
     t->holder[t->nholders++] = index;
     t->out_ms = c->now_ms;
-    jw->ntiles[pass % MSG_OPEN_PASSES]++;
-    holding_fill(jw->worker, job);
+    part->ntiles[pass % MSG_OPEN_PASSES]++;
+    holding_fill(part->worker, job);
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
@@ -283,7 +283,7 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     m.tile =
         (struct msg_tile){ job->id, s->base + pass, (uint32_t)(t - k->tile),
                            colours_wanted(job, &s->plan[pass]) };
-    actions_send(&c->actions, jw->worker->conn, &m);
+    actions_send(&c->actions, part->worker->conn, &m);
     return true;
 }
 
@@ -312,12 +312,12 @@ void
 tiles_lost(struct job *job, uint32_t index)
 {
     struct passes *s = job->passes;
-    struct job_worker *jw = &job->workers[index];
+    struct job_part *part = &job->parts[index];
 
-    memset(jw->ntiles, 0, sizeof jw->ntiles);
-    jw->lags = false;
-    if (jw->worker->fills == job)
-        holding_fill(jw->worker, NULL);
+    memset(part->ntiles, 0, sizeof part->ntiles);
+    part->lags = false;
+    if (part->worker->fills == job)
+        holding_fill(part->worker, NULL);
     for (uint32_t k = 0; s && k < MSG_OPEN_PASSES; k++)
         for (uint32_t i = s->sheet[k].oldest, then; i != NO_TILE; i = then) {
             then = s->sheet[k].tile[i].then;

@@ -23,7 +23,7 @@ void tiles_drop(struct passes *s);
 /* Send a ready worker a tile; false: there is no tile for this worker. */
 bool tiles_give(struct coord *c, struct job *job, uint32_t index);
 /* The number of tiles that the worker has. */
-uint32_t tiles_out(const struct job_worker *jw);
+uint32_t tiles_out(const struct job_part *part);
 /* Has the worker tiles, or could it get one? */
 bool tiles_has(const struct coord *c, const struct job *job, uint32_t index);
 /* Take the tile from the worker; false: it did not have the tile. */

@@ -30,15 +30,15 @@ since(const struct coord *c, uint64_t ms)
 }
 
 static void
-add_share(struct report_share *s, const struct job_worker *jw)
+add_share(struct report_share *s, const struct job_part *part)
 {
-    const struct msg_tally *t = &jw->tally;
-    const bool here = part_is_here(jw);
+    const struct msg_tally *t = &part->tally;
+    const bool here = part_is_here(part);
 
-    s->lacks_room |= jw->state == PART_NO_ROOM;
-    s->prepares |= tiles_out(jw) > 0 || jw->surveying > 0;
-    s->rays += part_rays(jw) + part_under_way(jw);
-    s->redundant += t->ambient_redundant + jw->past.ambient_redundant;
+    s->lacks_room |= part->state == PART_NO_ROOM;
+    s->prepares |= tiles_out(part) > 0 || part->surveying > 0;
+    s->rays += part_rays(part) + part_under_way(part);
+    s->redundant += t->ambient_redundant + part->past.ambient_redundant;
     s->cache += here ? t->cache_values : 0;
     s->memory += here ? t->peak_rss_bytes : 0;
 }
@@ -51,8 +51,8 @@ report_shares(const struct coord *c)
     for (size_t i = 0; all && i < c->nbegun; i++) {
         const struct job *job = c->jobs[i];
 
-        for (uint32_t k = 0; k < job->nworkers; k++)
-            add_share(&all[job->workers[k].worker->id], &job->workers[k]);
+        for (uint32_t k = 0; k < job->nparts; k++)
+            add_share(&all[job->parts[k].worker->id], &job->parts[k]);
     }
     return all;
 }
@@ -142,20 +142,20 @@ all_workers(const struct coord *c)
 
 /* The first worker of a job with --same-bits that no worker is at, while a
  * connected worker of another arithmetic is excluded from it; else NULL. */
-static const struct job_worker *
+static const struct job_part *
 lacks_bits(const struct job *job)
 {
-    const struct job_worker *first;
+    const struct job_part *first;
     bool other = false;
 
     if (!(job->spec.flags & MSG_JOB_SAME_BITS) || job_active(job) > 0)
         return NULL;
     first = part_first(job);
-    for (uint32_t i = 0; first && i < job->nworkers; i++) {
-        const struct job_worker *jw = &job->workers[i];
+    for (uint32_t i = 0; first && i < job->nparts; i++) {
+        const struct job_part *part = &job->parts[i];
 
-        other |= jw->state == PART_EXCLUDED && jw->worker->conn != 0 &&
-                 jw->worker->fingerprint != first->fingerprint;
+        other |= part->state == PART_EXCLUDED && part->worker->conn != 0 &&
+                 part->worker->fingerprint != first->fingerprint;
     }
     return other ? first : NULL;
 }
@@ -164,9 +164,9 @@ lacks_bits(const struct job *job)
 static const struct coord_worker *
 without_room(const struct job *job)
 {
-    for (uint32_t i = 0; i < job->nworkers && job_active(job) == 0; i++)
-        if (job->workers[i].state == PART_NO_ROOM)
-            return job->workers[i].worker;
+    for (uint32_t i = 0; i < job->nparts && job_active(job) == 0; i++)
+        if (job->parts[i].state == PART_NO_ROOM)
+            return job->parts[i].worker;
     return NULL;
 }
 
@@ -239,7 +239,7 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 {
     const struct coord_worker *full = without_room(job);
     const char *nobody = lacks_workers(c, job, buf);
-    const struct job_worker *first = lacks_bits(job);
+    const struct job_part *first = lacks_bits(job);
     char when[BYGONE_TIME];
 
     if (desk_unfetched(c, job) && !job->text[0]) {
@@ -276,11 +276,10 @@ add_traffic(json_t *o, const struct job *job)
 {
     uint64_t bytes = 0, redundant = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        bytes +=
-            job->workers[i].tally.bytes_out + job->workers[i].past.bytes_out;
-        redundant += job->workers[i].tally.ambient_redundant +
-                     job->workers[i].past.ambient_redundant;
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        bytes += job->parts[i].tally.bytes_out + job->parts[i].past.bytes_out;
+        redundant += job->parts[i].tally.ambient_redundant +
+                     job->parts[i].past.ambient_redundant;
     }
     json_object_set_new(o, "bytes", json_integer(integer(bytes)));
     json_object_set_new(o, "ambient_redundant",

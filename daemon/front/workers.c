@@ -132,9 +132,9 @@ on_ready(struct coord *c, struct coord_worker *w, const struct msg *m)
     index = job ? desk_index(job, w) : JOB_NOBODY;
     if (index == JOB_NOBODY || !desk_is_ready(job, index))
         return;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].worker->expelled)
-            linking_end(c, job, w, job->workers[i].worker);
+    for (uint32_t i = 0; i < job->nparts; i++)
+        if (job->parts[i].worker->expelled)
+            linking_end(c, job, w, job->parts[i].worker);
 }
 
 /* Handlers of workers' messages.  BYE has none: the connection ends after it.

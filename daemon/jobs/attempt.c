@@ -125,12 +125,12 @@ attempt_remove(struct job *job, struct job_attempt *attempt)
 }
 
 struct job_attempt *
-attempt_of_worker(const struct job *job, uint32_t unit, uint32_t worker)
+attempt_of_part(const struct job *job, uint32_t unit, uint32_t part)
 {
     const struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = 0; i < u->nattempts; i++)
-        if (u->attempts[i].worker == worker)
+        if (u->attempts[i].part == part)
             return &u->attempts[i];
     return NULL;
 }
@@ -147,10 +147,10 @@ attempt_of_number(const struct job *job, uint32_t unit, uint32_t number)
 }
 
 struct job_attempt *
-attempt_find(const struct job *job, uint32_t unit, uint32_t worker,
+attempt_find(const struct job *job, uint32_t unit, uint32_t part,
              uint32_t number)
 {
-    struct job_attempt *attempt = attempt_of_worker(job, unit, worker);
+    struct job_attempt *attempt = attempt_of_part(job, unit, part);
 
     return attempt && attempt->number == number ? attempt : NULL;
 }

@@ -71,7 +71,7 @@ struct attempt_handoff {
 struct job_attempt {
     uint32_t unit;   /* the attempt is at this unit; set by attempt_add() */
     uint32_t number; /* of the attempt, unique for the unit */
-    uint32_t worker; /* index in job.workers */
+    uint32_t part;   /* index in job.parts: whose attempt it is */
     enum attempt_state state; /* changed by attempt_step() alone */
     enum attempt_origin origin;
     enum attempt_rows rows;
@@ -107,12 +107,12 @@ struct job_attempt *attempt_add(struct job *job, uint32_t unit);
  * without attempts leaves job->out. */
 void attempt_remove(struct job *job, struct job_attempt *attempt);
 
-/* Find the unit's attempt by its worker, by worker and number, or by number.
+/* Find the unit's attempt by its part, by part and number, or by number.
  * NULL: there is none. */
-struct job_attempt *attempt_of_worker(const struct job *job, uint32_t unit,
-                                      uint32_t worker);
+struct job_attempt *attempt_of_part(const struct job *job, uint32_t unit,
+                                    uint32_t part);
 struct job_attempt *attempt_find(const struct job *job, uint32_t unit,
-                                 uint32_t worker, uint32_t number);
+                                 uint32_t part, uint32_t number);
 struct job_attempt *attempt_of_number(const struct job *job, uint32_t unit,
                                       uint32_t number);
 

@@ -197,7 +197,7 @@ free_work(struct job *job)
     kept_forget_times(&job->cache);
     for (uint32_t i = 0; job->frames && i < job->spec.nframes; i++)
         free(job->frames[i].line_s);
-    free(job->workers);
+    free(job->parts);
 }
 
 void
@@ -249,8 +249,8 @@ job_lighten(struct job *job)
     job->links = NULL;
     job->units = NULL;
     job->out = job->suspects = job->index = NULL;
-    job->workers = NULL;
-    job->nunits = job->nout = job->nsuspects = job->nindex = job->nworkers = 0;
+    job->parts = NULL;
+    job->nunits = job->nout = job->nsuspects = job->nindex = job->nparts = 0;
     drop_costs(job);
 }
 
@@ -402,7 +402,7 @@ job_active(const struct job *job)
 {
     uint32_t n = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        n += part_is_here(&job->workers[i]);
+    for (uint32_t i = 0; i < job->nparts; i++)
+        n += part_is_here(&job->parts[i]);
     return n;
 }

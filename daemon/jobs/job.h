@@ -1,7 +1,7 @@
 /* job.h - what the coordinator knows about one job
  *
  * Plain data.  A unit is known by its number in the job's partition, a worker
- * by its index in job.workers, which it keeps until the job is forgotten.
+ * by the index of its part in job.parts, until the job is forgotten.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_JOB_H
 #define DAEMON_JOB_H
@@ -117,9 +117,9 @@ struct job {
     uint32_t nsuspects;
     struct job_frame *frames;
     uint32_t frames_ready; /* frames written, from the first without a gap */
-    struct job_worker *workers;
-    uint32_t nworkers;
-    uint32_t *index, nindex; /* places in workers, by coord_worker.id */
+    struct job_part *parts; /* of workers, as they came to the job */
+    uint32_t nparts;
+    uint32_t *index, nindex; /* places in parts, by coord_worker.id */
     struct job_speed speed;
     uint32_t units_done, units_redone;
     uint64_t pixels_done, pixels_total;
@@ -166,7 +166,7 @@ struct job_size job_size(const struct job *job);
 uint8_t job_channels(const struct job *job);
 void job_free(struct job *job);
 
-/* Free units, partition, lines and workers of a job that is over.  Its end
+/* Free units, partition, lines and parts of a job that is over.  Its end
  * (job.last, which the caller has set) and its frames' states stay. */
 void job_lighten(struct job *job);
 

@@ -36,31 +36,31 @@ const struct steps part_steps = {
 };
 
 void
-part_step(struct job_worker *jw, enum part_state to)
+part_step(struct job_part *part, enum part_state to)
 {
-    jw->state = (enum part_state)steps_take(&part_steps, jw->state, to);
+    part->state = (enum part_state)steps_take(&part_steps, part->state, to);
 }
 
-const struct job_worker *
+const struct job_part *
 part_first(const struct job *job)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].took_part)
-            return &job->workers[i];
+    for (uint32_t i = 0; i < job->nparts; i++)
+        if (job->parts[i].took_part)
+            return &job->parts[i];
     return NULL;
 }
 
 bool
-part_is_here(const struct job_worker *jw)
+part_is_here(const struct job_part *part)
 {
-    return jw->state == PART_LOADING || jw->state == PART_READY;
+    return part->state == PART_LOADING || part->state == PART_READY;
 }
 
 uint32_t
 part_find(const struct job *job, const char *name)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (strcmp(job->workers[i].name, name) == 0)
+    for (uint32_t i = 0; i < job->nparts; i++)
+        if (strcmp(job->parts[i].name, name) == 0)
             return i;
     return JOB_NOBODY;
 }
@@ -69,49 +69,49 @@ uint32_t
 part_add(struct job *job, const char *name)
 {
     uint32_t i = part_find(job, name);
-    struct job_worker *w;
+    struct job_part *part;
 
     if (i != JOB_NOBODY)
         return i;
-    if (!rad_list_grow(&job->workers, job->nworkers, sizeof *w))
+    if (!rad_list_grow(&job->parts, job->nparts, sizeof *part))
         return JOB_NOBODY;
-    w = &job->workers[job->nworkers];
-    memset(w, 0, sizeof *w);
-    snprintf(w->name, sizeof w->name, "%s", name);
-    return job->nworkers++;
+    part = &job->parts[job->nparts];
+    memset(part, 0, sizeof *part);
+    snprintf(part->name, sizeof part->name, "%s", name);
+    return job->nparts++;
 }
 
 struct msg_tally
-part_tally(const struct job_worker *jw)
+part_tally(const struct job_part *part)
 {
-    struct msg_tally t = jw->past;
+    struct msg_tally t = part->past;
 
-    t.ambient_sent += jw->tally.ambient_sent;
-    t.ambient_received += jw->tally.ambient_received;
-    t.ambient_redundant += jw->tally.ambient_redundant;
-    t.bytes_in += jw->tally.bytes_in;
-    t.bytes_out += jw->tally.bytes_out;
-    t.base_line_bytes += jw->tally.base_line_bytes;
-    t.base_line_pixels += jw->tally.base_line_pixels;
-    t.busy_s += jw->tally.busy_s;
-    t.wait_base_line_s += jw->tally.wait_base_line_s;
-    msg_counts_add(&t.dropped, &jw->tally.dropped);
-    if (jw->tally.peak_rss_bytes > t.peak_rss_bytes)
-        t.peak_rss_bytes = jw->tally.peak_rss_bytes;
+    t.ambient_sent += part->tally.ambient_sent;
+    t.ambient_received += part->tally.ambient_received;
+    t.ambient_redundant += part->tally.ambient_redundant;
+    t.bytes_in += part->tally.bytes_in;
+    t.bytes_out += part->tally.bytes_out;
+    t.base_line_bytes += part->tally.base_line_bytes;
+    t.base_line_pixels += part->tally.base_line_pixels;
+    t.busy_s += part->tally.busy_s;
+    t.wait_base_line_s += part->tally.wait_base_line_s;
+    msg_counts_add(&t.dropped, &part->tally.dropped);
+    if (part->tally.peak_rss_bytes > t.peak_rss_bytes)
+        t.peak_rss_bytes = part->tally.peak_rss_bytes;
     return t;
 }
 
 uint64_t
-part_rays(const struct job_worker *jw)
+part_rays(const struct job_part *part)
 {
-    const struct msg_tally *now = &jw->tally, *past = &jw->past;
+    const struct msg_tally *now = &part->tally, *past = &part->past;
 
-    return jw->rays + jw->surveyed_rays + now->dropped.rays +
+    return part->rays + part->surveyed_rays + now->dropped.rays +
            past->dropped.rays;
 }
 
 uint64_t
-part_under_way(const struct job_worker *jw)
+part_under_way(const struct job_part *part)
 {
-    return jw->state == PART_READY ? jw->tally.rays_under_way : 0;
+    return part->state == PART_READY ? part->tally.rays_under_way : 0;
 }

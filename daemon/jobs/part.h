@@ -1,8 +1,8 @@
 /* part.h - a worker's part in a job
  *
- * A worker keeps its index in job.workers until the job is forgotten, also when
- * the worker is gone, so that its work stays counted.  The states are drawn at
- * the head of part.c.
+ * A part keeps its index in job.parts until the job is forgotten, also when its
+ * worker is gone, so that what the worker did stays counted.  The states are
+ * drawn at the head of part.c.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_PART_H
 #define DAEMON_PART_H
@@ -16,7 +16,7 @@ struct coord_worker;
 struct job;
 struct steps;
 
-#define JOB_NOBODY UINT32_MAX /* in place of an index: no worker */
+#define JOB_NOBODY UINT32_MAX /* in place of an index: no part */
 
 enum part_state {
     PART_GONE,     /* not connected, or not told of the job */
@@ -29,8 +29,7 @@ enum part_state {
 };
 #define PART_STATES 5
 
-/* A worker in a job. */
-struct job_worker {
+struct job_part {
     char name[MSG_MAX_NAME + 1];
     struct coord_worker *worker; /* the worker of this name */
     enum part_state state;       /* changed by part_step() alone */
@@ -101,24 +100,24 @@ struct job_worker {
 /* Which state may follow which; see the head of part.c. */
 extern const struct steps part_steps;
 /* Change the state of a worker's part; the step must be in part_steps. */
-void part_step(struct job_worker *jw, enum part_state to);
+void part_step(struct job_part *part, enum part_state to);
 
 /* The first part whose worker was READY, in any life; NULL: none was. */
-const struct job_worker *part_first(const struct job *job);
+const struct job_part *part_first(const struct job *job);
 
 /* Does the worker load the job, or is it ready? */
-bool part_is_here(const struct job_worker *jw);
+bool part_is_here(const struct job_part *part);
 
-/* The index of the worker of this name; JOB_NOBODY: it has no part in the job.
+/* The index of the part of the worker of this name; JOB_NOBODY: it has none.
  * part_add() gives it a part if it has none; JOB_NOBODY: memory is out. */
 uint32_t part_find(const struct job *job, const char *name);
 uint32_t part_add(struct job *job, const char *name);
 
 /* Sum of a worker's tallies; rays_under_way and pixels_under_way are 0. */
-struct msg_tally part_tally(const struct job_worker *jw);
+struct msg_tally part_tally(const struct job_part *part);
 /* All rays that the worker traced for the job but those under way. */
-uint64_t part_rays(const struct job_worker *jw);
+uint64_t part_rays(const struct job_part *part);
 /* Rays under way: traced of units that are not done; 0 if it is not ready. */
-uint64_t part_under_way(const struct job_worker *jw);
+uint64_t part_under_way(const struct job_part *part);
 
 #endif

@@ -38,14 +38,14 @@ progress_see(struct job *job)
     uint64_t rays = job->rays, pixels = job->pixels_done;
     uint64_t most = job->pixels_total > 0 ? job->pixels_total - 1 : 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct job_worker *w = &job->workers[i];
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        const struct job_part *part = &job->parts[i];
 
-        rays += w->tally.dropped.rays + w->past.dropped.rays;
-        if (w->state != PART_READY)
+        rays += part->tally.dropped.rays + part->past.dropped.rays;
+        if (part->state != PART_READY)
             continue;
-        rays += w->tally.rays_under_way;
-        pixels = add_up_to(pixels, w->tally.pixels_under_way, most);
+        rays += part->tally.rays_under_way;
+        pixels = add_up_to(pixels, part->tally.pixels_under_way, most);
     }
     if (rays > job->rays_seen)
         job->rays_seen = rays;

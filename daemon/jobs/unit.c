@@ -60,7 +60,7 @@ unit_grow(struct job *job)
             return false;
         u = &job->units[job->nunits];
         memset(u, 0, sizeof *u);
-        u->worker = u->crasher = JOB_NOBODY;
+        u->part = u->crasher = JOB_NOBODY;
         u->latest = unit_first_attempt(job);
     }
     return true;
@@ -114,7 +114,7 @@ void
 unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_worker *jw = &job->workers[u->worker];
+    struct job_part *part = &job->parts[u->part];
     struct partition_area a;
 
     partition_area(job->partition, unit, &a);
@@ -123,10 +123,10 @@ unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     u->end_ms = end_ms;
     if (end_ms > job->last_ms)
         job->last_ms = end_ms;
-    jw->units++;
-    jw->setbacks = 0;
-    jw->rays += u->counts.rays - u->lent.rays;
-    jw->cpu_s += u->counts.cpu_s - u->lent.cpu_s;
+    part->units++;
+    part->setbacks = 0;
+    part->rays += u->counts.rays - u->lent.rays;
+    part->cpu_s += u->counts.cpu_s - u->lent.cpu_s;
     job->rays += u->counts.rays - u->lent.rays;
     u->counts.nan.frame = job->spec.frames[a.frame].number;
     msg_nan_add(&job->nan, &u->counts.nan);

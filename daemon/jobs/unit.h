@@ -35,8 +35,8 @@ struct job_unit {
     uint32_t tries;        /* how often the unit went out */
     uint32_t lead;   /* number of the attempt whose rows count; 0: open, the
                       * attempt whose rows come first will lead */
-    uint32_t worker; /* index of the leading attempt's worker, else of the
-                      * latest attempt's */
+    uint32_t part;   /* of the leading attempt's worker, else of the latest's:
+                      * index in job.parts */
     uint64_t out_ms; /* when the unit went out to that worker; 0: in an earlier
                       * life of the coordinator */
     uint32_t next_row;    /* rows of the lead that came */

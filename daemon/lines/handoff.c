@@ -53,7 +53,7 @@ unit_at(const struct job *job, uint32_t frame, uint32_t line)
 static uint64_t
 conn_of(const struct job *job, const struct job_attempt *attempt)
 {
-    return job->workers[attempt->worker].worker->conn;
+    return job->parts[attempt->part].worker->conn;
 }
 
 /* --- out --- */
@@ -147,12 +147,12 @@ send_next_holder(struct coord *c, struct job *job, uint32_t above,
     const struct job_unit *u = &job->units[above];
     struct msg m = { .type = MSG_NEXT_HOLDER,
                      .next_holder = { job->id, frame, line,
-                                      job->workers[below->worker].name } };
+                                      job->parts[below->part].name } };
 
     for (uint8_t i = 0; i < u->nattempts; i++) {
         if (u->attempts[i].origin == ATTEMPT_LOAN)
             continue;
-        linking_need(c, job, u->attempts[i].worker, below->worker);
+        linking_need(c, job, u->attempts[i].part, below->part);
         actions_send(&c->actions, conn_of(job, &u->attempts[i]), &m);
     }
 }
@@ -175,8 +175,8 @@ introduce(struct coord *c, struct job *job, const struct job_attempt *attempt)
 
         m.next_holder =
             (struct msg_next_holder){ job->id, frame, last - 1,
-                                      job->workers[below->worker].name };
-        linking_need(c, job, attempt->worker, below->worker);
+                                      job->parts[below->part].name };
+        linking_need(c, job, attempt->part, below->part);
         actions_send(&c->actions, conn_of(job, attempt), &m);
     }
 }
@@ -205,7 +205,7 @@ handoff_back(struct coord *c, struct job *job, uint32_t index)
     for (uint32_t i = 0; i < job->nout; i++) {
         uint32_t unit = job->out[i], first, last;
         uint32_t frame = lines_of_unit(job, unit, &first, &last);
-        struct job_attempt *attempt = attempt_of_worker(job, unit, index);
+        struct job_attempt *attempt = attempt_of_part(job, unit, index);
 
         if (!attempt || attempt->origin != ATTEMPT_RESUMED)
             continue;
@@ -221,7 +221,7 @@ handoff_back(struct coord *c, struct job *job, uint32_t index)
 static bool
 is_guessing(const struct job_attempt *attempt, uint32_t from)
 {
-    return attempt->worker != from && !attempt->handoff.top_sent &&
+    return attempt->part != from && !attempt->handoff.top_sent &&
            attempt->origin != ATTEMPT_LOAN;
 }
 
@@ -268,10 +268,9 @@ pass_on(struct coord *c, const struct job *job, uint32_t from,
     u = &job->units[unit];
     pass.facts.job = job->id;
     for (uint8_t i = 0; i < u->nattempts; i++)
-        if (u->attempts[i].worker != from &&
-            wants(job, &u->attempts[i], m->line))
+        if (u->attempts[i].part != from && wants(job, &u->attempts[i], m->line))
             actions_send(&c->actions, conn_of(job, &u->attempts[i]), &pass);
-    if (attempt_of_worker(job, unit, from))
+    if (attempt_of_part(job, unit, from))
         pass_below(c, job, from, &pass);
 }
 
@@ -283,7 +282,7 @@ job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
 {
     struct job *job = desk_job_of(c, w, id, index);
 
-    if (!job || !job->shared || !part_is_here(&job->workers[*index]))
+    if (!job || !job->shared || !part_is_here(&job->parts[*index]))
         return NULL;
     return job;
 }
@@ -296,7 +295,7 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
 {
     uint32_t below = unit_at(job, m->frame, m->line + 1);
     struct job_attempt *attempt =
-        below != PARTITION_NONE ? attempt_of_worker(job, below, index) : NULL;
+        below != PARTITION_NONE ? attempt_of_part(job, below, index) : NULL;
 
     if (attempt && is_making_top(job, attempt, m->frame, m->line) &&
         shared_of_base(job->shared, m))
@@ -344,7 +343,7 @@ handoff_guess(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     }
     unit = unit_at(job, m->frame, m->line + 1);
-    if (unit == PARTITION_NONE || !attempt_of_worker(job, unit, index) ||
+    if (unit == PARTITION_NONE || !attempt_of_part(job, unit, index) ||
         !shared_put_guess(job->shared, m))
         return;
     below = unit_at(job, m->frame, m->line + 2);
@@ -361,11 +360,11 @@ static bool
 can_link(const struct job *job, const struct job_unit *above,
          const struct job_attempt *below)
 {
-    const struct coord_worker *b = job->workers[below->worker].worker;
+    const struct coord_worker *b = job->parts[below->part].worker;
 
     for (uint8_t i = 0; i < above->nattempts; i++) {
         const struct coord_worker *a =
-            job->workers[above->attempts[i].worker].worker;
+            job->parts[above->attempts[i].part].worker;
 
         if (a == b || linking_can(a, b))
             return true;
@@ -423,8 +422,8 @@ may_make(const struct job *job, uint32_t unit, uint32_t index)
 {
     const struct job_unit *u = &job->units[unit];
 
-    return attempt_of_worker(job, unit, index) ||
-           (u->nattempts == 0 && u->worker == index);
+    return attempt_of_part(job, unit, index) ||
+           (u->nattempts == 0 && u->part == index);
 }
 
 void

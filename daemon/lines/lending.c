@@ -38,9 +38,9 @@
 static double
 thread_speed(const struct job *job, uint32_t index)
 {
-    const struct job_worker *jw = &job->workers[index];
+    const struct job_part *part = &job->parts[index];
 
-    return jw->speed / (jw->threads ? jw->threads : 1);
+    return part->speed / (part->threads ? part->threads : 1);
 }
 
 /* Time that a thread of the worker takes for a line of the unit [ms]; 0: not
@@ -68,7 +68,7 @@ lendable_ms(const struct coord *c, const struct job *job,
     if (attempt->lending.line_ms == 0)
         return speed_left_ms(c, job, attempt);
     ms = attempt->lending.line_left *
-         line_time(job, attempt->unit, attempt->worker);
+         line_time(job, attempt->unit, attempt->part);
     return fabs(ms - (double)(c->now_ms - attempt->lending.line_ms));
 }
 
@@ -135,9 +135,9 @@ count_lending(const struct coord *c, const struct job *job)
 static uint32_t
 idle_for(const struct job *job, uint32_t unit)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nparts; i++)
         if (desk_is_idle(job, i) &&
-            (unit == PARTITION_NONE || !attempt_of_worker(job, unit, i)))
+            (unit == PARTITION_NONE || !attempt_of_part(job, unit, i)))
             return i;
     return JOB_NOBODY;
 }
@@ -153,7 +153,7 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
         return;
     while (asked < idle && (attempt = choose_lender(c, job))) {
         double mine = thread_speed(job, index);
-        double part = mine / (mine + thread_speed(job, attempt->worker));
+        double part = mine / (mine + thread_speed(job, attempt->part));
         struct msg m = { .type = MSG_LEND,
                          .lend = { job->id, attempt->unit, attempt->number,
                                    (uint16_t)(65535 * part) } };
@@ -161,8 +161,7 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
         attempt->lending.asked_ms = c->now_ms;
         asked++;
         desk_log_unit(c, job, attempt, "unit lend");
-        actions_send(&c->actions, job->workers[attempt->worker].worker->conn,
-                     &m);
+        actions_send(&c->actions, job->parts[attempt->part].worker->conn, &m);
     }
 }
 
@@ -182,15 +181,15 @@ static double
 loan_time(const struct job *job, const struct job_attempt *lender,
           const struct job_attempt *loan)
 {
-    double line = line_time(job, loan->unit, loan->worker), took = 0;
+    double line = line_time(job, loan->unit, loan->part), took = 0;
 
     /* line_ms may be after blocked_ms: the attempt may lend again when it has
      * waited for its top, or when LEND and PARKED cross */
     if (lender->lending.line_left > 0 &&
         lender->lending.blocked_ms > lender->lending.line_ms)
         took = (double)(lender->lending.blocked_ms - lender->lending.line_ms) /
-               lender->lending.line_left * thread_speed(job, lender->worker) /
-               thread_speed(job, loan->worker);
+               lender->lending.line_left * thread_speed(job, lender->part) /
+               thread_speed(job, loan->part);
     return loan->lending.line_left * (took > line ? took : line);
 }
 
@@ -205,7 +204,7 @@ is_late_loan(const struct coord *c, const struct job *job,
         attempt_of_number(job, loan->unit, loan->lending.lender);
     double ms = (double)(c->now_ms - loan->out_ms), due;
 
-    if (!lender || job->workers[loan->worker].worker->hangs)
+    if (!lender || job->parts[loan->part].worker->hangs)
         return true;
     if (lender->state != ATTEMPT_BLOCKED)
         return false;
@@ -301,7 +300,7 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t number,
     desk_log_unit(c, job, to, "loan out");
     pass.loan.job = job->id;
     pass.loan.attempt = to->number;
-    actions_send(&c->actions, job->workers[index].worker->conn, &pass);
+    actions_send(&c->actions, job->parts[index].worker->conn, &pass);
 }
 
 void
@@ -347,13 +346,13 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
     struct job *job = desk_find_job(c, m->job);
     uint32_t index = job ? desk_index(job, w) : JOB_NOBODY;
     struct msg_counts counts = m->counts;
-    struct job_worker *jw;
+    struct job_part *part;
     struct job_attempt *attempt;
 
     if (index == JOB_NOBODY)
         return;
-    jw = &job->workers[index];
-    msg_counts_add(&jw->paid, &m->counts);
+    part = &job->parts[index];
+    msg_counts_add(&part->paid, &m->counts);
     attempt = !job_over(job) && m->unit < job->nunits
                   ? attempt_find(job, m->unit, index, m->attempt)
                   : NULL;
@@ -362,15 +361,15 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
     counts.nan = (struct msg_nan){ 0 };
     if (!attempt || attempt->origin != ATTEMPT_LOAN) {
         memset(counts.faults, 0, sizeof counts.faults);
-        msg_counts_add(&jw->past.dropped, &counts);
+        msg_counts_add(&part->past.dropped, &counts);
         progress_see(job);
         return;
     }
     desk_log_unit(c, job, attempt, "loan paid");
     desk_late(job, index, false);
     msg_counts_add(&job->units[m->unit].lent, &counts);
-    jw->rays += counts.rays;
-    jw->cpu_s += counts.cpu_s;
+    part->rays += counts.rays;
+    part->cpu_s += counts.cpu_s;
     job->rays += counts.rays;
     progress_see(job);
     holding_end(c, job, attempt);

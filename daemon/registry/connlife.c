@@ -210,8 +210,8 @@ static bool
 has_part(const struct coord *c, const struct coord_worker *w)
 {
     for (size_t i = 0; i < c->nended; i++)
-        for (uint32_t k = 0; k < c->jobs[i]->nworkers; k++)
-            if (c->jobs[i]->workers[k].worker == w)
+        for (uint32_t k = 0; k < c->jobs[i]->nparts; k++)
+            if (c->jobs[i]->parts[k].worker == w)
                 return true;
     return false;
 }

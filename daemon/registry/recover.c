@@ -54,11 +54,11 @@ worker_of(const struct recovery *r, const struct saved_unit *s)
 {
     struct coord_worker *w =
         s->worker[0] ? connlife_worker(r->c, s->worker) : NULL;
-    uint32_t index = w ? desk_add_worker(r->c, r->job, w) : JOB_NOBODY;
+    uint32_t index = w ? desk_add_part(r->c, r->job, w) : JOB_NOBODY;
 
     if (index != JOB_NOBODY && s->fingerprint) {
-        r->job->workers[index].fingerprint = s->fingerprint;
-        r->job->workers[index].took_part = true;
+        r->job->parts[index].fingerprint = s->fingerprint;
+        r->job->parts[index].took_part = true;
     }
     return index;
 }
@@ -91,8 +91,8 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
     if (!unit_grow(job))
         return rad_fail_memory(r->err);
     u = &job->units[s->unit];
-    u->worker = worker_of(r, s);
-    if (u->worker == JOB_NOBODY && (s->worker[0] || s->stored > 0))
+    u->part = worker_of(r, s);
+    if (u->part == JOB_NOBODY && (s->worker[0] || s->stored > 0))
         return s->worker[0] ? rad_fail_memory(r->err)
                             : damaged(r, "unit", s->unit);
     u->lead = s->attempt;
@@ -120,7 +120,7 @@ queue_units(const struct recovery *r)
     for (uint32_t i = r->s->nunits; i-- > 0;)
         if (!r->s->units[i].done)
             partition_lost(job->partition, r->s->units[i].unit);
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nparts; i++)
         loss_keep(r->c, job, i, RETURN_MS);
 }
 

@@ -37,17 +37,17 @@ integer(uint64_t n)
 static json_t *
 fingerprint(const struct job *job)
 {
-    const struct job_worker *first = NULL;
+    const struct job_part *first = NULL;
     char hex[17];
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct job_worker *w = &job->workers[i];
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        const struct job_part *part = &job->parts[i];
 
-        if (!w->took_part)
+        if (!part->took_part)
             continue;
-        if (first && w->fingerprint != first->fingerprint)
+        if (first && part->fingerprint != first->fingerprint)
             return json_string("mixed");
-        first = w;
+        first = part;
     }
     snprintf(hex, sizeof hex, "%016llx",
              first ? (unsigned long long)first->fingerprint : 0);
@@ -61,9 +61,9 @@ times(const struct job *job, uint64_t now_ms)
     uint64_t end = job_over(job) ? job->end_ms : now_ms;
     double load = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].load_s > load)
-            load = job->workers[i].load_s;
+    for (uint32_t i = 0; i < job->nparts; i++)
+        if (job->parts[i].load_s > load)
+            load = job->parts[i].load_s;
     return json_pack(
         "{s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "wall_s",
         s->compile_s + seconds(job->offer_ms, end), "compile_s", s->compile_s,
@@ -97,8 +97,8 @@ totals(const struct job *job)
     uint64_t dropped = 0;
     uint32_t took_part = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        struct msg_tally w = part_tally(&job->workers[i]);
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        struct msg_tally w = part_tally(&job->parts[i]);
 
         dropped += w.dropped.rays; /* rays whose results were not accepted */
         sent += w.ambient_sent;
@@ -106,7 +106,7 @@ totals(const struct job *job)
         redundant += w.ambient_redundant;
         line_bytes += w.base_line_bytes;
         line_pixels += w.base_line_pixels;
-        took_part += job->workers[i].took_part;
+        took_part += job->parts[i].took_part;
     }
     return json_pack(
         "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
@@ -136,26 +136,27 @@ workers(const struct job *job)
 {
     json_t *list = json_array();
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct job_worker *w = &job->workers[i];
-        struct msg_tally t = part_tally(w);
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        const struct job_part *part = &job->parts[i];
+        struct msg_tally t = part_tally(part);
         double wait = t.wait_base_line_s, work = t.busy_s - wait;
-        double busy = work > w->cpu_s ? work : w->cpu_s;
+        double busy = work > part->cpu_s ? work : part->cpu_s;
         double idle =
-            w->threads * seconds(w->ready_ms, job->last_ms) - busy - wait;
+            part->threads * seconds(part->ready_ms, job->last_ms) - busy - wait;
 
-        if (!w->took_part)
+        if (!part->took_part)
             continue;
         json_array_append_new(
-            list, json_pack("{s:s,s:I,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}",
-                            "name", w->name, "threads", (json_int_t)w->threads,
-                            "rays", integer(part_rays(w)), "rays_under_way",
-                            integer(part_under_way(w)), "busy_s", busy,
-                            "idle_s", idle > 0 ? idle : 0.0, "wait_base_line_s",
-                            wait, "bytes_in", integer(t.bytes_in), "bytes_out",
-                            integer(t.bytes_out), "peak_rss_bytes",
-                            integer(t.peak_rss_bytes), "units",
-                            (json_int_t)w->units));
+            list,
+            json_pack("{s:s,s:I,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}", "name",
+                      part->name, "threads", (json_int_t)part->threads, "rays",
+                      integer(part_rays(part)), "rays_under_way",
+                      integer(part_under_way(part)), "busy_s", busy, "idle_s",
+                      idle > 0 ? idle : 0.0, "wait_base_line_s", wait,
+                      "bytes_in", integer(t.bytes_in), "bytes_out",
+                      integer(t.bytes_out), "peak_rss_bytes",
+                      integer(t.peak_rss_bytes), "units",
+                      (json_int_t)part->units));
     }
     return list;
 }
@@ -188,7 +189,7 @@ unit(const struct job *job, uint32_t i)
         integer(u->counts.primary_rays), "intersection_tests",
         integer(u->counts.intersection_tests), "estimate",
         partition_cost(job->partition, i), "cpu_s", u->counts.cpu_s, "start_s",
-        start, "end_s", end, "worker", job->workers[u->worker].name, "attempts",
+        start, "end_s", end, "worker", job->parts[u->part].name, "attempts",
         (json_int_t)u->tries);
 }
 
@@ -206,7 +207,7 @@ attempt(const struct job *job, const struct job_attempt *attempt,
                      (json_int_t)a.width, "height", (json_int_t)a.height,
                      "start_s", seconds(job->submit_ms, attempt->out_ms),
                      "end_s", seconds(job->submit_ms, now_ms), "worker",
-                     job->workers[attempt->worker].name);
+                     job->parts[attempt->part].name);
 }
 
 /* The attempts under way. */

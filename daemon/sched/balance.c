@@ -160,7 +160,7 @@ static bool
 is_slow(const struct coord *c, const struct job *job,
         const struct job_attempt *attempt, uint64_t lease_floor_ms)
 {
-    const struct coord_worker *w = job->workers[attempt->worker].worker;
+    const struct coord_worker *w = job->parts[attempt->part].worker;
 
     return !attempt_waits(attempt) &&
            c->now_ms - attempt->out_ms >=
@@ -261,7 +261,7 @@ leave_out(struct job *job, uint32_t unit)
 
     for (uint8_t i = 0; i < u->nattempts; i++)
         if (u->attempts[i].origin != ATTEMPT_LOAN)
-            desk_late(job, u->attempts[i].worker, true);
+            desk_late(job, u->attempts[i].part, true);
 }
 
 bool
@@ -273,7 +273,7 @@ balance_give_twin(struct coord *c, struct job *job, uint32_t index)
     for (uint32_t i = 0; i < job->nout; i++) {
         uint64_t ms = c->now_ms - job->units[job->out[i]].attempts[0].out_ms;
 
-        if (ms <= longest || attempt_of_worker(job, job->out[i], index) ||
+        if (ms <= longest || attempt_of_part(job, job->out[i], index) ||
             !wants_twin(c, job, job->out[i], lease))
             continue;
         longest = ms;
@@ -284,7 +284,7 @@ balance_give_twin(struct coord *c, struct job *job, uint32_t index)
     job->late--;
     actions_log(&c->actions, ACT_INFO,
                 "unit late job=%s unit=%u worker=%s s=%llu", job->hex, unit,
-                job->workers[job->units[unit].attempts[0].worker].name,
+                job->parts[job->units[unit].attempts[0].part].name,
                 (unsigned long long)longest / 1000);
     leave_out(job, unit);
     handout_unit(c, job, index, unit);
@@ -301,7 +301,7 @@ balance_run(struct coord *c)
         if (job_over(job) || job->state == JOB_PAUSED || job->survey ||
             !desk_can_balance(job) || job_waiting(job) > 0)
             continue;
-        for (uint32_t i = 0; i < job->nworkers; i++)
+        for (uint32_t i = 0; i < job->nparts; i++)
             idle += desk_is_idle(job, i);
         if (idle > 0 && desk_splits(job))
             idle = ask_for_lines(c, job, idle);

@@ -45,7 +45,7 @@ send_unit(struct coord *c, struct job *job, struct job_attempt *attempt)
     }
     if (strict)
         handoff_out(c, job, attempt);
-    actions_send(&c->actions, job->workers[attempt->worker].worker->conn, &m);
+    actions_send(&c->actions, job->parts[attempt->part].worker->conn, &m);
 }
 
 /* Tell the workers of the unit's attempts that it has twins now. */
@@ -73,7 +73,7 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         c->actions.failed = true;
         return;
     }
-    job->workers[index].passed = 0;
+    job->parts[index].passed = 0;
     u->latest++;
     u->tries++;
     if (u->tries > 1 && u->nattempts == 1 && !u->given_back)
@@ -83,9 +83,9 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     if (u->nattempts == 1) {
         holding_forget_rows(job, unit);
         u->lead = u->latest;
-        if (u->worker != index)
+        if (u->part != index)
             u->losses = 0;
-        u->worker = index;
+        u->part = index;
         u->out_ms = attempt->out_ms;
     } else if (u->next_row == 0) {
         u->lead = 0; /* the attempt whose rows come first will lead */

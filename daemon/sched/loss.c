@@ -132,7 +132,7 @@ take_all_back(struct coord *c, struct job *job, uint32_t index)
     tiles_lost(job, index);
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
-        struct job_attempt *attempt = attempt_of_worker(job, unit, index);
+        struct job_attempt *attempt = attempt_of_part(job, unit, index);
 
         if (!attempt)
             continue;
@@ -149,21 +149,21 @@ loss_keep(const struct coord *c, struct job *job, uint32_t index, uint64_t ms)
         const struct job_unit *u = &job->units[i];
 
         if (u->state != UNIT_DONE && u->nattempts == 0 && u->lead != 0 &&
-            u->worker == index && u->losses <= MOST_LOSSES)
+            u->part == index && u->losses <= MOST_LOSSES)
             partition_keep(job->partition, i, index);
     }
-    job->workers[index].keep_ms = c->now_ms + ms;
+    job->parts[index].keep_ms = c->now_ms + ms;
 }
 
 void
 loss_tick(struct coord *c, struct job *job)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        struct job_worker *jw = &job->workers[i];
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        struct job_part *part = &job->parts[i];
 
-        if (jw->keep_ms == 0 || c->now_ms < jw->keep_ms)
+        if (part->keep_ms == 0 || c->now_ms < part->keep_ms)
             continue;
-        jw->keep_ms = 0;
+        part->keep_ms = 0;
         partition_keep_none(job->partition, i);
         c->stirred = true;
     }
@@ -174,7 +174,7 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
-        struct job_attempt *attempt = attempt_of_worker(job, unit, index);
+        struct job_attempt *attempt = attempt_of_part(job, unit, index);
         struct partition_area a;
 
         if (!attempt || attempt->origin == ATTEMPT_RESUMED)
@@ -185,7 +185,7 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
     }
     /* the units that it lost go to it now, if it takes units at all */
     loss_keep(c, job, index,
-              desk_takes_units(job->workers[index].worker) ? REDIAL_MS : 0);
+              desk_takes_units(job->parts[index].worker) ? REDIAL_MS : 0);
 }
 
 /* The attempt that the worker names by STILL, begun again if need be; NULL: the
@@ -198,7 +198,7 @@ find_or_revive(struct coord *c, struct job *job, uint32_t index,
     struct job_attempt *attempt = attempt_find(job, m->unit, index, m->attempt);
 
     if (!attempt && u->state != UNIT_DONE && u->nattempts == 0 &&
-        u->lead != 0 && u->lead == m->attempt && u->worker == index &&
+        u->lead != 0 && u->lead == m->attempt && u->part == index &&
         holding_revive(c, job, index, m->unit))
         attempt = attempt_find(job, m->unit, index, m->attempt);
     return attempt;
@@ -235,8 +235,8 @@ loss_still(struct coord *c, struct coord_worker *w, const struct msg *msg)
     struct msg no = { .type = MSG_REVOKE,
                       .revoke = { m->job, m->unit, m->attempt } };
 
-    if (job && (job->workers[index].state != PART_LOADING ||
-                !resume(c, job, index, m)))
+    if (job &&
+        (job->parts[index].state != PART_LOADING || !resume(c, job, index, m)))
         actions_send(&c->actions, w->conn, &no);
 }
 
@@ -244,8 +244,8 @@ void
 loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
 {
     take_all_back(c, job, index);
-    if (part_is_here(&job->workers[index]))
-        part_step(&job->workers[index], to);
+    if (part_is_here(&job->parts[index]))
+        part_step(&job->parts[index], to);
     linking_left(c, job, index);
     feeding_left(c, job, index);
     if (job->partition)
@@ -256,13 +256,13 @@ loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
 /* How long units are kept for a worker that is gone: not if it was leaving.  If
  * it was not ready yet, no longer than they would have been. */
 static uint64_t
-keep_time_ms(const struct coord *c, const struct job_worker *jw)
+keep_time_ms(const struct coord *c, const struct job_part *part)
 {
-    if (jw->worker->leaving)
+    if (part->worker->leaving)
         return 0;
-    if (jw->state == PART_READY)
+    if (part->state == PART_READY)
         return REDIAL_MS;
-    return jw->keep_ms > c->now_ms ? jw->keep_ms - c->now_ms : 0;
+    return part->keep_ms > c->now_ms ? part->keep_ms - c->now_ms : 0;
 }
 
 void
@@ -275,11 +275,11 @@ loss_worker_gone(struct coord *c, struct coord_worker *w)
         uint64_t ms;
 
         /* when it comes back its disk may have room */
-        if (index != JOB_NOBODY && job->workers[index].state == PART_NO_ROOM)
-            part_step(&job->workers[index], PART_GONE);
-        if (index == JOB_NOBODY || !part_is_here(&job->workers[index]))
+        if (index != JOB_NOBODY && job->parts[index].state == PART_NO_ROOM)
+            part_step(&job->parts[index], PART_GONE);
+        if (index == JOB_NOBODY || !part_is_here(&job->parts[index]))
             continue;
-        ms = keep_time_ms(c, &job->workers[index]);
+        ms = keep_time_ms(c, &job->parts[index]);
         loss_all(c, job, index, PART_GONE);
         if (!job_over(job))
             loss_keep(c, job, index, ms);
@@ -298,7 +298,7 @@ note_crash(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     u->crashes++;
     if (u->crashes == 1)
         u->crasher = index;
-    loss_of(c, job, attempt_of_worker(job, unit, index));
+    loss_of(c, job, attempt_of_part(job, unit, index));
     if (u->crasher == index && u->crashes < JOB_MAX_CRASHES)
         return true;
     partition_area(job->partition, unit, &a);
@@ -314,8 +314,8 @@ note_crash(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
 static bool
 ready_worker(const struct job *job)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].state == PART_READY)
+    for (uint32_t i = 0; i < job->nparts; i++)
+        if (job->parts[i].state == PART_READY)
             return true;
     return false;
 }
@@ -323,24 +323,24 @@ ready_worker(const struct job *job)
 /* A child died before it was ready.  Sets *to to the next state of its worker's
  * part.  False: the job has failed. */
 static bool
-crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
+crashed_loading(struct coord *c, struct job *job, struct job_part *part,
                 const struct msg_lost *m, enum part_state *to)
 {
     uint32_t workers = 0;
     char text[MSG_MAX_TEXT + 1];
 
-    jw->load_crashes++;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        workers += job->workers[i].load_crashes > 0;
-    if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
+    part->load_crashes++;
+    for (uint32_t i = 0; i < job->nparts; i++)
+        workers += job->parts[i].load_crashes > 0;
+    if (workers < 2 && part->load_crashes < JOB_MAX_CRASHES)
         return true;
     /* the scene is not to blame while another worker can load it, or may */
-    if (ready_worker(job) || (workers < 2 && others_than(c, jw->worker))) {
+    if (ready_worker(job) || (workers < 2 && others_than(c, part->worker))) {
         *to = PART_EXCLUDED;
         return true;
     }
     snprintf(text, sizeof text,
-             "no worker can load the scene; the last, %s: %.380s", jw->name,
+             "no worker can load the scene; the last, %s: %.380s", part->name,
              m->text);
     verdict_job(c, job, JOB_FAILED, m->status, text);
     return false;
@@ -349,18 +349,18 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
 /* A child died while it had units, but not because of them.  *to and the result
  * are those of crashed_loading(). */
 static bool
-setback(struct coord *c, struct job *job, struct job_worker *jw,
+setback(struct coord *c, struct job *job, struct job_part *part,
         const char *why, enum part_state *to)
 {
     char text[MSG_MAX_TEXT + 1];
 
-    if (++jw->setbacks < JOB_MAX_SETBACKS)
+    if (++part->setbacks < JOB_MAX_SETBACKS)
         return true;
     *to = PART_EXCLUDED;
     actions_log(&c->actions, ACT_WARN,
-                "worker excluded job=%s worker=%s why=%s", job->hex, jw->name,
+                "worker excluded job=%s worker=%s why=%s", job->hex, part->name,
                 why);
-    if (desk_others_may(c, job, jw->worker, true))
+    if (desk_others_may(c, job, part->worker, true))
         return true;
     snprintf(text, sizeof text, "no worker can keep a process for it: %.400s",
              why);
@@ -376,20 +376,20 @@ loss_no_room(struct coord *c, struct coord_worker *w, const struct msg *msg)
     const struct msg_room *m = &msg->room;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
-    struct job_worker *jw;
+    struct job_part *part;
 
     if (!job)
         return;
-    jw = &job->workers[index];
-    if (!m->has && jw->state != PART_LOADING)
+    part = &job->parts[index];
+    if (!m->has && part->state != PART_LOADING)
         return;
     actions_log(&c->actions, m->has ? ACT_INFO : ACT_WARN,
                 m->has ? "worker has room again job=%s worker=%s%s"
                        : "worker has no room job=%s worker=%s why=%s",
                 job->hex, w->name, m->text);
     if (m->has) {
-        if (jw->state == PART_NO_ROOM)
-            part_step(jw, PART_GONE);
+        if (part->state == PART_NO_ROOM)
+            part_step(part, PART_GONE);
         return;
     }
     rad_text_print(w->no_room, sizeof w->no_room, "%s", m->text);
@@ -402,7 +402,7 @@ loss_no_room(struct coord *c, struct coord_worker *w, const struct msg *msg)
 static bool
 has_unit(const struct job *job, uint32_t index, uint32_t unit)
 {
-    return unit < job->nunits && attempt_of_worker(job, unit, index);
+    return unit < job->nunits && attempt_of_part(job, unit, index);
 }
 
 void
@@ -410,7 +410,7 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
     const struct msg_lost *m = &msg->lost;
     enum part_state to = PART_GONE;
-    struct job_worker *jw;
+    struct job_part *part;
     uint32_t index, surveying;
     struct job *job = desk_job_of(c, w, m->job, &index);
     bool blamed; /* what the child was at */
@@ -421,21 +421,21 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
                 job->hex, w->name, m->text);
     if (w->loading == job)
         w->loading = NULL;
-    jw = &job->workers[index];
-    if (jw->state == PART_LOADING && !crashed_loading(c, job, jw, m, &to))
+    part = &job->parts[index];
+    if (part->state == PART_LOADING && !crashed_loading(c, job, part, m, &to))
         return;
     blamed = m->status == EX_SOFTWARE &&
-             (m->nunits > 0 || jw->surveying || tiles_out(jw) > 0);
-    if (jw->state == PART_READY && !blamed &&
-        !setback(c, job, jw, m->text, &to))
+             (m->nunits > 0 || part->surveying || tiles_out(part) > 0);
+    if (part->state == PART_READY && !blamed &&
+        !setback(c, job, part, m->text, &to))
         return;
     for (uint32_t i = 0; i < m->nunits; i++)
         if (has_unit(job, index, m->units[i]) &&
             !note_crash(c, job, index, m->units[i], m->text))
             return;
-    if (blamed && tiles_out(jw) > 0 && !tiles_crashed(c, job, index, m->text))
+    if (blamed && tiles_out(part) > 0 && !tiles_crashed(c, job, index, m->text))
         return;
-    surveying = jw->surveying;
+    surveying = part->surveying;
     loss_all(c, job, index, to);
     if (surveying)
         survey_crashed(c, job, surveying - 1);

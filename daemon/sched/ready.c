@@ -20,7 +20,7 @@
 static bool
 same_bits(const struct job *job, uint64_t fingerprint)
 {
-    const struct job_worker *first = part_first(job);
+    const struct job_part *first = part_first(job);
 
     return !(job->spec.flags & MSG_JOB_SAME_BITS) || !first ||
            first->fingerprint == fingerprint;
@@ -28,18 +28,18 @@ same_bits(const struct job *job, uint64_t fingerprint)
 
 static void
 worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
-             struct job_worker *jw, const struct msg_ready *m)
+             struct job_part *part, const struct msg_ready *m)
 {
-    part_step(jw, PART_READY);
-    jw->load_s = m->load_s;
-    jw->fingerprint = w->fingerprint = m->fingerprint;
-    jw->threads = w->threads = m->threads;
-    if (jw->ready_ms == 0)
-        jw->ready_ms = c->now_ms;
-    jw->took_part = true;
-    linking_join(c, job, (uint32_t)(jw - job->workers));
+    part_step(part, PART_READY);
+    part->load_s = m->load_s;
+    part->fingerprint = w->fingerprint = m->fingerprint;
+    part->threads = w->threads = m->threads;
+    if (part->ready_ms == 0)
+        part->ready_ms = c->now_ms;
+    part->took_part = true;
+    linking_join(c, job, (uint32_t)(part - job->parts));
     if (job->filling)
-        feeding_join(c, job, (uint32_t)(jw - job->workers));
+        feeding_join(c, job, (uint32_t)(part - job->parts));
 }
 
 /* The first worker is ready: lay out the job's units; false: the job failed. */
@@ -88,7 +88,7 @@ void
 ready_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
     const struct msg_ready *m = &msg->ready;
-    struct job_worker *jw;
+    struct job_part *part;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
 
@@ -96,15 +96,15 @@ ready_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     if (w->loading == job)
         w->loading = NULL;
-    jw = &job->workers[index];
-    if (jw->state != PART_LOADING)
+    part = &job->parts[index];
+    if (part->state != PART_LOADING)
         return;
     if (!same_bits(job, m->fingerprint)) {
         w->fingerprint = m->fingerprint;
         actions_log(&c->actions, ACT_WARN,
                     "worker excluded job=%s worker=%s why=--same-bits, and its "
                     "arithmetic differs from that of the job's first worker",
-                    job->hex, jw->name);
+                    job->hex, part->name);
         turn_away(c, w, job, index, PART_EXCLUDED);
         return;
     }
@@ -121,7 +121,7 @@ ready_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     }
     loss_at_ready(c, job, index);
-    worker_ready(c, job, w, jw, m);
+    worker_ready(c, job, w, part, m);
     if (job->shared)
         handoff_back(c, job, index);
     speed_measure(c, job);

@@ -80,7 +80,7 @@ static void
 put_rows(struct coord *c, const struct job *job, uint32_t index,
          const struct msg_result *m, const struct partition_area *a)
 {
-    uint64_t conn = job->workers[index].worker->conn;
+    uint64_t conn = job->parts[index].worker->conn;
     struct action *act =
         actions_add_job(&c->actions, ACT_PUT_ROWS, conn, job->id);
     struct action_rows *r;
@@ -132,7 +132,7 @@ drop_incomplete(struct coord *c, struct job *job, struct job_attempt *attempt)
 
     actions_log(&c->actions, ACT_WARN,
                 "unit incomplete job=%s unit=%u attempt=%u worker=%s", job->hex,
-                unit, attempt->number, job->workers[attempt->worker].name);
+                unit, attempt->number, job->parts[attempt->part].name);
     holding_forget_rows(job, unit);
     u->lead = 0;
     loss_of(c, job, attempt);
@@ -181,7 +181,7 @@ choose_lead(struct coord *c, struct job *job, struct job_attempt *attempt,
         overtake(c, job, attempt, m);
     if (u->lead == 0 && m->row == 0 && attempt->rows == ATTEMPT_MAY_LEAD) {
         u->lead = m->attempt;
-        u->worker = attempt->worker;
+        u->part = attempt->part;
         u->out_ms = attempt->out_ms;
         desk_keep_unit(c, job, m->unit);
     }
@@ -197,11 +197,11 @@ counts(const struct job *job, uint32_t index, const struct msg_result *m)
 {
     const struct job_unit *u = &job->units[m->unit];
 
-    return u->state != UNIT_DONE && part_is_here(&job->workers[index]) &&
+    return u->state != UNIT_DONE && part_is_here(&job->parts[index]) &&
            u->lead != 0 && u->lead == m->attempt &&
            m->row + m->rows > u->stored_rows &&
            (attempt_find(job, m->unit, index, m->attempt) ||
-            (u->nattempts == 0 && u->worker == index && m->row <= u->next_row));
+            (u->nattempts == 0 && u->part == index && m->row <= u->next_row));
 }
 
 /* All rows of the attempt are here: release its worker, and those of its twins,
@@ -226,7 +226,7 @@ static bool
 is_old(const struct job *job, uint32_t index, const struct msg_result *m)
 {
     return m->attempt < unit_first_attempt(job) ||
-           job->workers[index].state != PART_READY;
+           job->parts[index].state != PART_READY;
 }
 
 /* If the last row came of an attempt that does not count, note that. */
@@ -247,7 +247,7 @@ gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
             const struct partition_area *a)
 {
     return m->last && m->row + m->rows < a->height &&
-           job->workers[index].state == PART_LOADING &&
+           job->parts[index].state == PART_LOADING &&
            job->units[m->unit].nattempts == 1;
 }
 
@@ -328,7 +328,7 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     partition_area(job->partition, m->unit, &a);
     u = &job->units[m->unit];
     attempt = attempt_find(job, m->unit, index, m->attempt);
-    if (attempt && u->state != UNIT_DONE && part_is_here(&job->workers[index]))
+    if (attempt && u->state != UNIT_DONE && part_is_here(&job->parts[index]))
         choose_lead(c, job, attempt, m);
     if (!counts(job, index, m))
         refuse_rows(c, w, job, index, m, &a);
@@ -394,7 +394,7 @@ finish_unit(struct coord *c, struct job *job, uint32_t unit)
 
     partition_area(job->partition, unit, &a);
     actions_log(&c->actions, ACT_DEBUG, "unit done job=%s unit=%u worker=%s",
-                job->hex, unit, job->workers[u->worker].name);
+                job->hex, unit, job->parts[u->part].name);
     if (u->nattempts > 0)
         release_all(c, job, unit);
     else
@@ -423,7 +423,7 @@ result_stored(struct coord *c, const struct action_rows *key)
 
     if (!job || job_over(job))
         return;
-    w = job->workers[key->worker].worker;
+    w = job->parts[key->worker].worker;
     u = &job->units[key->unit];
     if (w->conn != 0)
         desk_send_ack(c, w->conn, job->id, key->unit, key->attempt, key->row,

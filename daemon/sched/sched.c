@@ -50,7 +50,7 @@
 static bool
 has_plenty(const struct job *job, uint32_t index, uint32_t threads)
 {
-    double speed = job->workers[index].speed;
+    double speed = job->parts[index].speed;
 
     return speed * job_waiting(job) > 2 * threads * job->speed.all;
 }
@@ -78,15 +78,15 @@ static void
 start_job(struct coord *c, struct job *job, struct coord_worker *w)
 {
     struct msg m = { .type = MSG_JOB_START, .job_start = job->spec };
-    uint32_t i = desk_add_worker(c, job, w);
+    uint32_t i = desk_add_part(c, job, w);
 
     m.job_start.ncosts = 0; /* costs are for the partition alone */
     if (i == JOB_NOBODY) {
         c->actions.failed = true;
         return;
     }
-    part_step(&job->workers[i], PART_LOADING);
-    job->workers[i].threads = w->threads;
+    part_step(&job->parts[i], PART_LOADING);
+    job->parts[i].threads = w->threads;
     w->loading = job;
     if (job->partition)
         partition_set_absent(job->partition, i, false);
@@ -102,7 +102,7 @@ find_suspect(const struct coord *c, const struct job *job, uint32_t index,
         uint32_t crasher = job->units[job->suspects[i]].crasher;
 
         if (crasher != index ||
-            !desk_others_may(c, job, job->workers[crasher].worker, false)) {
+            !desk_others_may(c, job, job->parts[crasher].worker, false)) {
             *unit = job->suspects[i];
             return true;
         }
@@ -132,7 +132,7 @@ next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
                                  .idle = w->in_flight == 0 };
 
     if (job->speed.all > 0)
-        ask.share = job->workers[index].speed / job->speed.all;
+        ask.share = job->parts[index].speed / job->speed.all;
     if (!partition_next(job->partition, &ask, unit))
         return false;
     if (unit_grow(job))
@@ -147,10 +147,10 @@ is_left_out(const struct job *job, uint32_t index)
 {
     bool others = false;
 
-    for (uint32_t i = 0; i < job->nworkers && !others; i++)
+    for (uint32_t i = 0; i < job->nparts && !others; i++)
         others =
-            job->workers[i].state == PART_READY && desk_may_take_part(job, i);
-    return job->workers[index].late && others;
+            job->parts[i].state == PART_READY && desk_may_take_part(job, i);
+    return job->parts[index].late && others;
 }
 
 /* Give the worker a unit of the job; false: it gets none now. */
@@ -180,7 +180,7 @@ works_elsewhere(const struct job *job, const struct coord_worker *w,
 {
     return (w->fills && w->fills != job &&
             w->fills->spec.priority >= job->spec.priority) ||
-           (w->in_flight > job->workers[index].in_flight &&
+           (w->in_flight > job->parts[index].in_flight &&
             w->priority >= job->spec.priority);
 }
 
@@ -205,14 +205,14 @@ static bool
 serve_job(struct coord *c, struct job *job, struct coord_worker *w,
           uint32_t index, bool *done)
 {
-    if (passes_open(job) || job->workers[index].lags) {
+    if (passes_open(job) || job->parts[index].lags) {
         /* the next pass may be open in a moment */
         *done = !works_elsewhere(job, w, index) ||
                 (is_kept_out(c, job, w) && tiles_has(c, job, index));
         return tiles_give(c, job, index);
     }
     if (job->survey) {
-        *done = job->workers[index].surveying > 0;
+        *done = job->parts[index].surveying > 0;
         return survey_give(c, job, index);
     }
     if (give_unit(c, job, w, index))
@@ -233,7 +233,7 @@ waits_for_lines(const struct coord *c, const struct coord_worker *w,
     uint32_t index = desk_index(job, w);
 
     return index != JOB_NOBODY && job->stage == STAGE_OPEN &&
-           desk_can_balance(job) && job->workers[index].state == PART_READY &&
+           desk_can_balance(job) && job->parts[index].state == PART_READY &&
            w->in_flight == 0 && c->now_ms - w->free_ms < AWAIT_MS;
 }
 
@@ -248,8 +248,8 @@ recall(struct coord *c, struct coord_worker *w)
         uint32_t index = desk_index(job, w);
 
         if (job_over(job) || index == JOB_NOBODY ||
-            job->workers[index].state != PART_GONE ||
-            job->workers[index].keep_ms <= c->now_ms)
+            job->parts[index].state != PART_GONE ||
+            job->parts[index].keep_ms <= c->now_ms)
             continue;
         if (job->state == JOB_PAUSED || !desk_takes_units(w))
             start_job(c, job, w);
@@ -265,10 +265,10 @@ is_at_passes(const struct coord *c, const struct coord_worker *w)
     const struct job *job = w->fills;
     uint32_t index = desk_index(job, w);
 
-    if (job->workers[index].surveying > 0)
+    if (job->parts[index].surveying > 0)
         return true;
     return job->filling && !desk_idle_job(job) && desk_takes_units(w) &&
-           (passes_open(job) || job->workers[index].lags ||
+           (passes_open(job) || job->parts[index].lags ||
             tiles_has(c, job, index));
 }
 
@@ -276,13 +276,13 @@ is_at_passes(const struct coord *c, const struct coord_worker *w)
 static void
 note_passed(const struct coord *c, struct job *job, uint32_t index)
 {
-    struct job_worker *jw = &job->workers[index];
+    struct job_part *part = &job->parts[index];
 
     if (!job->partition || job_waiting(job) == 0)
         return;
-    jw->ask_ms = c->now_ms + ((uint64_t)PASSED_MS << jw->passed);
-    if (jw->passed < MOST_TIMES)
-        jw->passed++;
+    part->ask_ms = c->now_ms + ((uint64_t)PASSED_MS << part->passed);
+    if (part->passed < MOST_TIMES)
+        part->passed++;
 }
 
 /* Give the worker one unit of the first job that has one.  While it has units
@@ -310,7 +310,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
             continue;
         }
         if (job->spec.priority >= floor && job->stage == STAGE_OPEN &&
-            job->workers[index].state == PART_READY) {
+            job->parts[index].state == PART_READY) {
             if (serve_job(c, job, w, index, &done))
                 return true;
             if (w->in_flight == 0)
@@ -395,8 +395,8 @@ sched_job_over(struct coord *c, struct job *job)
             holding_fill(w, NULL);
         if (index == JOB_NOBODY)
             continue;
-        if (part_is_here(&job->workers[index]))
-            part_step(&job->workers[index], PART_GONE);
+        if (part_is_here(&job->parts[index]))
+            part_step(&job->parts[index], PART_GONE);
         if (w->conn != 0)
             desk_send_job_end(c, w->conn, job->id);
     }

@@ -31,7 +31,7 @@ drain_parked(struct coord *c, struct job *job)
             if (!attempt_waits(attempt) || attempt->state == ATTEMPT_YIELDING ||
                 attempt->handoff.top_sent ||
                 c->now_ms - attempt->parked_ms < DRAIN_WAIT_MS ||
-                desk_takes_units(job->workers[attempt->worker].worker))
+                desk_takes_units(job->parts[attempt->part].worker))
                 continue;
             loss_taken(c, job, attempt);
             break; /* other attempts may have moved */

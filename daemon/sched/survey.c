@@ -117,7 +117,7 @@ choose(struct survey *s, uint64_t now_ms)
 }
 
 static void
-send_chunk(struct coord *c, const struct job *job, const struct job_worker *jw,
+send_chunk(struct coord *c, const struct job *job, const struct job_part *part,
            const struct chunk *k)
 {
     const struct survey *s = job->survey;
@@ -136,7 +136,7 @@ send_chunk(struct coord *c, const struct job *job, const struct job_worker *jw,
     }
     m.estimate = (struct msg_estimate){ job->id, (uint32_t)(k - s->chunk),
                                         s->rays, k->n, v };
-    actions_send(&c->actions, jw->worker->conn, &m);
+    actions_send(&c->actions, part->worker->conn, &m);
 }
 
 void
@@ -144,7 +144,7 @@ survey_end(struct job *job)
 {
     survey_free(job->survey);
     job->survey = NULL;
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nparts; i++)
         holding_survey(job, i, 0);
 }
 
@@ -160,14 +160,14 @@ let_units_go(struct coord *c, struct job *job)
 bool
 survey_has(const struct coord *c, const struct job *job, uint32_t index)
 {
-    return job->workers[index].surveying || job->survey->failed ||
+    return job->parts[index].surveying || job->survey->failed ||
            choose(job->survey, c->now_ms);
 }
 
 bool
 survey_give(struct coord *c, struct job *job, uint32_t index)
 {
-    struct job_worker *jw = &job->workers[index];
+    struct job_part *part = &job->parts[index];
     struct survey *s = job->survey;
     struct chunk *k;
 
@@ -175,7 +175,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
         let_units_go(c, job);
         return true;
     }
-    k = jw->surveying ? NULL : choose(s, c->now_ms);
+    k = part->surveying ? NULL : choose(s, c->now_ms);
     if (!k)
         return false;
     k->holders++;
@@ -185,17 +185,17 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
         s->begin_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
-    send_chunk(c, job, jw, k);
+    send_chunk(c, job, part, k);
     return true;
 }
 
 void
 survey_lost(struct job *job, uint32_t index)
 {
-    const struct job_worker *jw = &job->workers[index];
+    const struct job_part *part = &job->parts[index];
 
-    if (job->survey && jw->surveying)
-        job->survey->chunk[jw->surveying - 1].holders--;
+    if (job->survey && part->surveying)
+        job->survey->chunk[part->surveying - 1].holders--;
     holding_survey(job, index, 0);
 }
 
@@ -239,7 +239,7 @@ static void
 count_rays(struct job *job, uint32_t index, const struct msg_counts *counts)
 {
     msg_rays_add(&job->surveyed, counts);
-    job->workers[index].surveyed_rays += counts->rays;
+    job->parts[index].surveyed_rays += counts->rays;
 }
 
 void
@@ -248,13 +248,13 @@ survey_estimated(struct coord *c, struct coord_worker *w, const struct msg *msg)
     const struct msg_estimated *m = &msg->estimated;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
-    const struct job_worker *jw;
+    const struct job_part *part;
     struct chunk *k;
 
     if (!job)
         return;
-    jw = &job->workers[index];
-    if (!job->survey || jw->surveying == 0 || jw->surveying - 1 != m->id) {
+    part = &job->parts[index];
+    if (!job->survey || part->surveying == 0 || part->surveying - 1 != m->id) {
         count_rays(job, index, &m->counts); /* late: only its rays count */
         return;
     }

@@ -15,15 +15,15 @@
  * coordinator, PAIDs that an earlier life got are missing, too, and these are
  * in units. */
 static void
-note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
+note_unpaid(struct job_part *part, const struct msg_counts *paid)
 {
     struct msg_counts lost;
 
-    msg_counts_lack(&lost, paid, &jw->paid);
-    msg_counts_add(&jw->paid, &lost);
-    if (jw->tallied)
-        msg_counts_add(&jw->past.dropped, &lost);
-    jw->tallied = true;
+    msg_counts_lack(&lost, paid, &part->paid);
+    msg_counts_add(&part->paid, &lost);
+    if (part->tallied)
+        msg_counts_add(&part->past.dropped, &lost);
+    part->tallied = true;
 }
 
 /* A TALLY counts even after the job's end: the last twins are taken back then.
@@ -35,23 +35,23 @@ tally_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
     const struct msg_tally *m = &msg->tally;
     struct job *job = desk_find_job(c, m->job);
     uint32_t index = job ? desk_index(job, w) : JOB_NOBODY;
-    struct job_worker *jw;
+    struct job_part *part;
 
     if (index == JOB_NOBODY || job_over(job))
         desk_send_job_end(c, w->conn, m->job);
     if (index == JOB_NOBODY)
         return;
     desk_late(job, index, false);
-    jw = &job->workers[index];
-    if (jw->state == PART_LOADING && !jw->took_part)
+    part = &job->parts[index];
+    if (part->state == PART_LOADING && !part->took_part)
         return;
-    if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
-        jw->past = part_tally(jw);
-        memset(&jw->tally, 0, sizeof jw->tally);
-        memset(&jw->paid, 0, sizeof jw->paid);
+    if (m->busy_s < part->tally.busy_s) { /* a new child counts from zero */
+        part->past = part_tally(part);
+        memset(&part->tally, 0, sizeof part->tally);
+        memset(&part->paid, 0, sizeof part->paid);
     }
-    note_unpaid(jw, &m->paid);
-    jw->tally = *m;
-    jw->tally.job = NULL;
+    note_unpaid(part, &m->paid);
+    part->tally = *m;
+    part->tally.job = NULL;
     progress_see(job);
 }

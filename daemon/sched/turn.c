@@ -11,7 +11,7 @@
 bool
 turn_is_new(const struct job *job, uint32_t index)
 {
-    return index == JOB_NOBODY || !part_is_here(&job->workers[index]);
+    return index == JOB_NOBODY || !part_is_here(&job->parts[index]);
 }
 
 /* May the job have something for the worker?  A worker loads new jobs one at a
@@ -25,7 +25,7 @@ may_look(const struct job *job, const struct coord_worker *w, bool news)
     if (!turn_is_new(job, index))
         return true;
     return news && !w->loading &&
-           (index == JOB_NOBODY || job->workers[index].state == PART_GONE);
+           (index == JOB_NOBODY || job->parts[index].state == PART_GONE);
 }
 
 /* Threads that work for the job's owner.  For an owner whose tiles the worker
@@ -39,7 +39,7 @@ threads_beside(const struct job *job, const struct coord_worker *w)
 
     if (!at || at->payer != job->payer)
         return job->payer->threads;
-    return job->payer->threads - at->workers[desk_index(at, w)].counted_threads;
+    return job->payer->threads - at->parts[desk_index(at, w)].counted_threads;
 }
 
 /* Has the worker units of the job, or does it make the job's tiles? */
@@ -54,7 +54,7 @@ turn_is_ahead(const struct job *job, const struct coord_worker *w,
               uint32_t index)
 {
     return w->in_flight > 0 && !is_at(job, w) &&
-           job->workers[index].state == PART_READY &&
+           job->parts[index].state == PART_READY &&
            (passes_open(job) || job->survey || job_waiting(job) > 0);
 }
 

@@ -30,18 +30,18 @@
 static bool
 has_some_for(const struct coord *c, const struct job *job, uint32_t index)
 {
-    const struct job_worker *jw = &job->workers[index];
+    const struct job_part *part = &job->parts[index];
 
     if (desk_idle_job(job) || job->stage != STAGE_OPEN ||
-        jw->state != PART_READY)
+        part->state != PART_READY)
         return false;
-    if (jw->lags)
+    if (part->lags)
         return true;
     if (passes_open(job))
         return tiles_has(c, job, index);
     return (job->survey && survey_has(c, job, index)) ||
-           (!job->survey && job_waiting(job) > 0 && !jw->late &&
-            c->now_ms >= jw->ask_ms);
+           (!job->survey && job_waiting(job) > 0 && !part->late &&
+            c->now_ms >= part->ask_ms);
 }
 
 /* The highest priority of the jobs that the worker works on or could work on.
@@ -64,11 +64,11 @@ rank_of(const struct coord *c, const struct coord_worker *w)
 static bool
 may_yield(const struct job *job, const struct job_attempt *attempt)
 {
-    const struct coord_worker *w = job->workers[attempt->worker].worker;
+    const struct coord_worker *w = job->parts[attempt->part].worker;
 
     return w->conn != 0 && attempt->state != ATTEMPT_DELIVERED &&
            attempt->state != ATTEMPT_YIELDING &&
-           job->workers[attempt->worker].state == PART_READY;
+           job->parts[attempt->part].state == PART_READY;
 }
 
 /* Have one attempt's unit given back; the attempt may be over after that. */
@@ -93,7 +93,7 @@ give_all_back(struct coord *c, struct job *job, uint32_t index)
         struct job_unit *u = &job->units[job->out[i]];
 
         for (uint8_t k = u->nattempts; k-- > 0;)
-            if (k < u->nattempts && u->attempts[k].worker == index &&
+            if (k < u->nattempts && u->attempts[k].part == index &&
                 may_yield(job, &u->attempts[k]))
                 give_back(c, job, &u->attempts[k]);
     }
@@ -107,7 +107,7 @@ is_unanswered(const struct coord *c, const struct job *job,
 
     if (attempt->state != ATTEMPT_YIELDING)
         return false;
-    w = job->workers[attempt->worker].worker;
+    w = job->parts[attempt->part].worker;
     return c->now_ms - attempt->yield_ms >=
            (desk_takes_units(w) ? LOST_MS : LEAVING_MS);
 }
@@ -129,10 +129,10 @@ give_up(struct coord *c, struct job *job)
 static void
 look_at_job(struct coord *c, struct job *job)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct job_worker *jw = &job->workers[i];
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        const struct job_part *part = &job->parts[i];
 
-        if ((jw->in_flight > 0 || jw->parked > 0) && desk_gives_way(job, i))
+        if ((part->in_flight > 0 || part->parked > 0) && desk_gives_way(job, i))
             give_all_back(c, job, i);
     }
     give_up(c, job);
@@ -152,7 +152,7 @@ job_to_yield(const struct coord *c, const struct job *job,
         struct job *o = c->jobs[i];
         uint32_t index = desk_index(o, w);
 
-        if (index == JOB_NOBODY || o->workers[index].in_flight == 0)
+        if (index == JOB_NOBODY || o->parts[index].in_flight == 0)
             continue;
         if (o->spec.priority != job->spec.priority || o->payer == job->payer)
             return NULL;
@@ -169,8 +169,8 @@ job_to_yield(const struct coord *c, const struct job *job,
 static void
 share_workers(struct coord *c, struct job *job)
 {
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        struct coord_worker *w = job->workers[i].worker;
+    for (uint32_t i = 0; i < job->nparts; i++) {
+        struct coord_worker *w = job->parts[i].worker;
         struct job *other;
 
         if (!has_some_for(c, job, i) || job->survey || !desk_takes_units(w) ||

@@ -699,10 +699,10 @@ describe(const struct net *net)
                 job_stages.state[job->stage].name, job->spec.partition,
                 job->spec.flags, job->partition ? job_waiting(job) : 0,
                 job->units_done);
-        for (uint32_t k = 0; k < job->nworkers; k++)
-            fprintf(stderr, "  %s: %s%s\n", job->workers[k].name,
-                    part_steps.state[job->workers[k].state].name,
-                    job->workers[k].late ? " late" : "");
+        for (uint32_t k = 0; k < job->nparts; k++)
+            fprintf(stderr, "  %s: %s%s\n", job->parts[k].name,
+                    part_steps.state[job->parts[k].state].name,
+                    job->parts[k].late ? " late" : "");
         for (uint32_t k = 0; k < job->nunits; k++)
             if (job->units[k].state < UNIT_OUT)
                 fprintf(stderr, "  unit %u %s\n", k,
@@ -717,7 +717,7 @@ describe(const struct net *net)
                     a.frame, a.y, a.y + a.height, u->next_row);
             for (uint8_t g = 0; g < u->nattempts; g++)
                 fprintf(stderr, " %s attempt %u %s%s%s",
-                        job->workers[u->attempts[g].worker].name,
+                        job->parts[u->attempts[g].part].name,
                         u->attempts[g].number,
                         attempt_steps.state[u->attempts[g].state].name,
                         u->attempts[g].origin == ATTEMPT_LOAN ? " loan" : "",

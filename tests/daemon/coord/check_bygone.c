@@ -392,7 +392,7 @@ TEST(of_a_job_that_is_filed_its_end_is_kept)
     ck_assert_int_eq(job->stage, STAGE_FILED);
     ck_assert_ptr_null(job->units);
     ck_assert_ptr_null(job->partition);
-    ck_assert_uint_eq(job->nworkers, 0);
+    ck_assert_uint_eq(job->nparts, 0);
     progress_tell(job, f.now_ms, &after.progress);
     wire_out_init(&was, MSG_FRAME_MAX);
     wire_out_init(&is, MSG_FRAME_MAX);

@@ -17,7 +17,7 @@ two_are_ready(void)
     ready(WORKER, job_a);
     join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     job = desk_find_job(f.c, job_a);
-    strcpy(job->workers[0].worker->address, "tcp 127.0.0.1:1");
+    strcpy(job->parts[0].worker->address, "tcp 127.0.0.1:1");
     ready(SECOND, job_a);
 }
 
@@ -26,12 +26,12 @@ two_are_ready(void)
 TEST(records_travel_while_tiles_are_made)
 {
     const struct msg_frozen *z = &f.last[SECOND].frozen;
-    const struct job_worker *jw;
+    const struct job_part *part;
 
     two_are_ready();
-    jw = desk_find_job(f.c, job_a)->workers;
-    ck_assert_uint_eq(jw[0].feeder, 0);
-    ck_assert_uint_eq(jw[1].feeder, 1);
+    part = desk_find_job(f.c, job_a)->parts;
+    ck_assert_uint_eq(part[0].feeder, 0);
+    ck_assert_uint_eq(part[1].feeder, 1);
     ck_assert_int_eq(f.last[WORKER].type, MSG_FEED);
     ck_assert(f.last[WORKER].feed.n == 1 &&
               strcmp(f.last[WORKER].feed.name[0], "ws2") == 0);
@@ -42,7 +42,7 @@ TEST(records_travel_while_tiles_are_made)
               f.last[WORKER].tile_records.count == 2);
     ck_assert_int_eq(f.last[SECOND].type, 0);
     make(WORKER, 0, 0, 0);
-    ck_assert(jw[0].passes == 1 && jw[1].passes == 1);
+    ck_assert(part[0].passes == 1 && part[1].passes == 1);
     ck_assert(has_tile(WORKER)); /* without a word */
     say(SECOND, &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
     ck_assert(f.last[SECOND].type == MSG_FROZEN && z->count == 2);
@@ -61,7 +61,7 @@ TEST(workers_below_one_that_hangs_are_fed_by_others)
     static const uint32_t before[] = { 0, 1, 1, 2, 2 },
                           after[] = { 4, 0, 4, 2, 2 };
     static const char *const name[] = { "ws2", "ws3", "ws4", "ws5" };
-    struct job_worker *jw;
+    struct job_part *part;
 
     submit_passes(ANA, &wide, 1);
     for (uint64_t i = 0; i < N_ELEM(name); i++)
@@ -70,19 +70,19 @@ TEST(workers_below_one_that_hangs_are_fed_by_others)
         strcpy(w->address, "tcp 127.0.0.1:1");
     for (uint64_t i = 0; i < N_ELEM(before); i++)
         ready(i > 0 ? SECOND + i - 1 : WORKER, job_a);
-    jw = desk_find_job(f.c, job_a)->workers;
+    part = desk_find_job(f.c, job_a)->parts;
     for (uint32_t i = 0; i < N_ELEM(before); i++)
-        ck_assert_uint_eq(jw[i].feeder, before[i]);
+        ck_assert_uint_eq(part[i].feeder, before[i]);
     make(SECOND, 0, 0, 2);
     make(SECOND, 0, 1, 2);
     for (uint64_t i = 0; i < N_ELEM(name); i++)
         say(SECOND + i,
             &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
     for (uint32_t i = 0; i < N_ELEM(before); i++)
-        ck_assert_uint_eq(jw[i].feeder, before[i]);
+        ck_assert_uint_eq(part[i].feeder, before[i]);
     make_pass(SECOND, 1);
     for (uint32_t i = 0; i < N_ELEM(after); i++)
-        ck_assert_uint_eq(jw[i].feeder, after[i]);
+        ck_assert_uint_eq(part[i].feeder, after[i]);
 }
 
 /* Workers that can all be dialled, one and n more, become ready one after the
@@ -107,23 +107,23 @@ begin_with(uint64_t n)
  * passes that were open then: its new one did not fail. */
 TEST(a_new_feeder_does_not_fail_at_once)
 {
-    struct job_worker *jw;
+    struct job_part *part;
     struct job *job;
 
     job = begin_with(3);
-    jw = job->workers;
-    ck_assert(jw[3].feeder == 2 && jw[1].feeder == 1);
+    part = job->parts;
+    ck_assert(part[3].feeder == 2 && part[1].feeder == 1);
     feeding_lacked(job, 3);
     feeding_mend(f.c, job);
-    ck_assert(jw[3].feeder == 3 && jw[1].failures == 1);
+    ck_assert(part[3].feeder == 3 && part[1].failures == 1);
     for (int pass = 0; pass < MSG_OPEN_PASSES; pass++) {
         feeding_lacked(job, 3);
         feeding_mend(f.c, job);
-        ck_assert(jw[3].feeder == 3 && jw[2].failures == 0);
+        ck_assert(part[3].feeder == 3 && part[2].failures == 0);
     }
     feeding_lacked(job, 3);
     feeding_mend(f.c, job);
-    ck_assert_uint_eq(jw[2].failures, 1);
+    ck_assert_uint_eq(part[2].failures, 1);
     carry_out();
 }
 
@@ -138,9 +138,9 @@ TEST(the_coordinator_does_not_come_to_feed_all)
         uint32_t direct = 0;
 
         random = random * 6364136223846793005u + 1442695040888963407u;
-        feeding_lacked(job, (uint32_t)(random >> 33) % job->nworkers);
+        feeding_lacked(job, (uint32_t)(random >> 33) % job->nparts);
         feeding_mend(f.c, job);
-        for (uint32_t i = 0; i < job->nworkers; i++)
+        for (uint32_t i = 0; i < job->nparts; i++)
             direct += feeding_is_direct(job, i);
         ck_assert_msg(direct <= 1, "%u after %d", direct, k);
     }
@@ -150,7 +150,7 @@ TEST(the_coordinator_does_not_come_to_feed_all)
 /* A link that neither end can dial never comes about. */
 TEST(workers_without_an_address_are_not_fed_by_each_other)
 {
-    const struct job_worker *jw;
+    const struct job_part *part;
 
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
@@ -158,9 +158,9 @@ TEST(workers_without_an_address_are_not_fed_by_each_other)
         join(SECOND + i, MSG_ROLE_WORKER, i > 0 ? "ws3" : "ws2", "daemon");
         ready(SECOND + i, job_a);
     }
-    jw = desk_find_job(f.c, job_a)->workers;
+    part = desk_find_job(f.c, job_a)->parts;
     for (uint32_t i = 0; i < 3; i++)
-        ck_assert_uint_eq(jw[i].feeder, 0);
+        ck_assert_uint_eq(part[i].feeder, 0);
 }
 
 /* Whoever a worker fed gets another place when that one is gone. */
@@ -170,14 +170,14 @@ TEST(workers_that_were_fed_are_fed_by_others)
 
     two_are_ready();
     job = desk_find_job(f.c, job_a);
-    ck_assert_uint_eq(job->workers[1].feeder, 1);
+    ck_assert_uint_eq(job->parts[1].feeder, 1);
     coord_closed(f.c, ++f.now_ms, WORKER, "gone");
     carry_out();
-    ck_assert_uint_eq(job->workers[1].feeder, 0);
+    ck_assert_uint_eq(job->parts[1].feeder, 0);
     join(WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
-    strcpy(job->workers[0].worker->address, "tcp 127.0.0.1:1");
+    strcpy(job->parts[0].worker->address, "tcp 127.0.0.1:1");
     ready(WORKER, job_a);
-    ck_assert_uint_eq(job->workers[0].feeder, 2);
+    ck_assert_uint_eq(job->parts[0].feeder, 2);
 }
 
 /* Nobody knows whether a worker is there that has a tile which another made:

@@ -225,7 +225,7 @@ TEST(workers_stay_with_an_owner_at_passes)
     ck_assert_uint_eq(f.units[SECOND], 0);
     for (uint32_t u = 1; u < 4; u++)
         result(WORKER, job_b, u, 1);
-    ck_assert_uint_eq(tiles_out(&job->workers[0]), 9); /* bob's is over */
+    ck_assert_uint_eq(tiles_out(&job->parts[0]), 9); /* bob's is over */
 }
 
 /* Bob submits a job of a frame of so many pixels a side. */
@@ -268,7 +268,7 @@ TEST(windows_make_way_for_passes_of_another_owner)
     ready(WORKER, job_a);
     result(WORKER, job_b, 1, 1);
     result(WORKER, job_b, 2, 1);
-    ck_assert_uint_gt(tiles_out(&desk_find_job(f.c, job_a)->workers[0]), 0);
+    ck_assert_uint_gt(tiles_out(&desk_find_job(f.c, job_a)->parts[0]), 0);
     ck_assert_uint_eq(f.units[WORKER], 4); /* one while the scene loaded */
 }
 

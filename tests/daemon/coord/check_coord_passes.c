@@ -141,7 +141,7 @@ TEST(a_late_tile_goes_to_a_second_worker)
     ck_assert(!f.closed[WORKER]);
     job = desk_find_job(f.c, job_a);
     ck_assert_uint_eq(job->tiled.rays, 20);
-    ck_assert_uint_eq(job->workers[0].past.dropped.rays, 10);
+    ck_assert_uint_eq(job->parts[0].past.dropped.rays, 10);
     tile_rays = 0;
 }
 
@@ -175,7 +175,7 @@ TEST(near_the_end_of_a_pass_no_tile_stands_ahead)
         make_pass(WORKER, pass);
     ck_assert_uint_gt(tiles, 24);
     for (uint32_t i = 0; i < tiles; i++) {
-        out = tiles_out(&desk_find_job(f.c, job_a)->workers[0]);
+        out = tiles_out(&desk_find_job(f.c, job_a)->parts[0]);
         if (tiles - i >= 22)
             ck_assert_uint_ge(out, 5);
         if (tiles - i >= 12 && tiles - i <= 18)
@@ -206,14 +206,14 @@ TEST(the_oldest_tile_is_late_first)
     ck_assert_uint_eq(f.last[SECOND].tile.tile, 1); /* it has 0 and 1 */
     job = desk_find_job(f.c, job_a);
     made(SECOND, LAST, 0, 0);
-    ck_assert_uint_gt(tiles_out(&job->workers[0]), 0);
+    ck_assert_uint_gt(tiles_out(&job->parts[0]), 0);
     coord_closed(f.c, ++f.now_ms, WORKER, "gone");
     carry_out();
-    ck_assert_uint_eq(tiles_out(&job->workers[0]), 0);
+    ck_assert_uint_eq(tiles_out(&job->parts[0]), 0);
     join(WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
     ready(WORKER, job_a);
     made(WORKER, LAST, 0, 0);
-    ck_assert_uint_le(tiles_out(&job->workers[0]), 3);
+    ck_assert_uint_le(tiles_out(&job->parts[0]), 3);
 }
 
 /* A tile with n colours. */

@@ -415,7 +415,7 @@ LOOP_TEST(a_duplicate_that_may_differ_is_none, 3)
     wait_s(61);
     result(SECOND, job_a, 0, 2);
     if (_i == 1)
-        job->workers[part_find(job, "ws1")].fingerprint++;
+        job->parts[part_find(job, "ws1")].fingerprint++;
     else
         job->lives += _i == 2;
     rows_of(WORKER, 1, other, 4);

@@ -45,10 +45,10 @@ take_unit(int from, int to)
 static int
 take_part(int from, int to)
 {
-    struct job_worker jw = { .state = (enum part_state)from };
+    struct job_part part = { .state = (enum part_state)from };
 
-    part_step(&jw, (enum part_state)to);
-    return (int)jw.state;
+    part_step(&part, (enum part_state)to);
+    return (int)part.state;
 }
 
 static int

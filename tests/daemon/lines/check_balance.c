@@ -112,8 +112,8 @@ TEST(static_weighs_workers_by_what_earlier_jobs_showed)
     tally.tally.rays_under_way = 4000;
     say(W2, &tally);
     wait_ms(200);
-    ck_assert_double_gt(desk_find_job(f.c, id)->workers[1].speed,
-                        3 * desk_find_job(f.c, id)->workers[0].speed);
+    ck_assert_double_gt(desk_find_job(f.c, id)->parts[1].speed,
+                        3 * desk_find_job(f.c, id)->parts[0].speed);
     tally.type = MSG_CANCEL;
     tally.cancel.job = id;
     say(ANA, &tally);

@@ -118,20 +118,20 @@ TEST(a_parked_unit_takes_no_room)
 
 TEST(a_parked_unit_is_work_again_when_its_top_is_there)
 {
-    const struct job_worker *w;
+    const struct job_part *part;
     struct msg_unit b;
     struct job *job;
 
     start(MSG_PART_STATIC, 0, 2);
     job = desk_find_job(f.c, id);
-    w = &job->workers[part_find(job, "ws2")];
+    part = &job->parts[part_find(job, "ws2")];
     b = *unit_of(W2);
     attempt(W2, MSG_PARKED, &b);
-    ck_assert(w->parked == 1 && w->in_flight == 0);
+    ck_assert(part->parked == 1 && part->in_flight == 0);
     base_line(W1, 0, line_above(b.y));
-    ck_assert(w->parked == 0 && w->in_flight == 1);
+    ck_assert(part->parked == 0 && part->in_flight == 1);
     finish(W2, &b);
-    ck_assert(w->parked == 0 && w->in_flight == 0);
+    ck_assert(part->parked == 0 && part->in_flight == 0);
 }
 
 TEST(while_its_rows_go_to_the_disk_a_worker_has_other_work)
@@ -284,7 +284,7 @@ TEST(rows_that_cross_a_revoke_bring_nothing_back)
 /* Its top was on its way to it, or it needs none. */
 TEST(one_that_has_its_top_is_not_parked)
 {
-    const struct job_worker *w;
+    const struct job_part *part;
     struct msg_unit a, b;
     struct job *job;
 
@@ -293,13 +293,13 @@ TEST(one_that_has_its_top_is_not_parked)
     a = *unit_of(W1);
     b = *unit_of(W2);
     attempt(W1, MSG_PARKED, &a);
-    w = &job->workers[part_find(job, "ws1")];
-    ck_assert(w->parked == 0 && w->in_flight == 1);
+    part = &job->parts[part_find(job, "ws1")];
+    ck_assert(part->parked == 0 && part->in_flight == 1);
     base_line(W1, 0, line_above(b.y));
     clear();
     attempt(W2, MSG_PARKED, &b);
-    w = &job->workers[part_find(job, "ws2")];
-    ck_assert(w->parked == 0 && w->in_flight == 1);
+    part = &job->parts[part_find(job, "ws2")];
+    ck_assert(part->parked == 0 && part->in_flight == 1);
     wait_ms(300);
     ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1);
 }
