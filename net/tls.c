@@ -40,15 +40,24 @@ struct tls_ctx {
     void *arg;
 };
 
+/*  client: SILENT -----------------------------> DONE -> ENDED
+ *  server: SILENT -> HELLO --------------------> DONE -> ENDED
+ *             '----> WAITING -> HELLO (tls_decide(), or the key is known) */
+enum tls_state {
+    TLS_SILENT,  /* of a server: no ClientHello has come */
+    TLS_HELLO,   /* one has */
+    TLS_WAITING, /* one has, and the client's key is not known yet */
+    TLS_DONE,    /* the handshake is done */
+    TLS_ENDED    /* and the other side sends nothing more */
+};
+
 struct tls {
     SSL *ssl;
     BIO *in, *out; /* ssl's */
     struct tls_ctx *ctx;
     bool server;
-    bool hello;        /* of a server: a ClientHello has come */
-    bool waiting;      /* of a server: the client's key is not known yet */
-    bool decide;       /* do not wait for the key any longer */
-    bool done, ended;  /* done: the handshake; ended: the other side */
+    bool decide; /* do not wait for the key any longer */
+    enum tls_state state;
     const char *fault; /* of a server: why the client's key is refused */
     char id[TLS_ID];
     uint8_t secret[TLS_SECRET]; /* the key's, until the handshake is over */
@@ -152,15 +161,15 @@ see_hello(SSL *ssl, int *alert, void *arg)
 
     (void)alert;
     (void)arg;
-    t->hello = true;
-    t->waiting = false;
+    t->state = TLS_HELLO;
     if (t->decide || !first_name(ssl, &id, &n) || !take_id(t, id, n))
         return SSL_CLIENT_HELLO_SUCCESS;
     why = t->ctx->find(t->ctx->arg, t->id, secret);
     OPENSSL_cleanse(secret, sizeof secret);
-    t->waiting = why && is_later(why);
-    if (t->waiting)
+    if (why && is_later(why)) {
+        t->state = TLS_WAITING;
         return SSL_CLIENT_HELLO_RETRY;
+    }
     t->id[0] = '\0'; /* the client may prove no key at all */
     return SSL_CLIENT_HELLO_SUCCESS;
 }
@@ -338,7 +347,7 @@ server_failed(struct tls *t, unsigned long e, struct rad_error *err)
                         reason ? reason : "?");
     if (is_version_error(e))
         return rad_fail(err, RAD_EPERM, "an older version of TLS");
-    if (t->hello)
+    if (t->state != TLS_SILENT)
         return rad_fail(err, RAD_EPERM, "no key was offered");
     return rad_fail(err, RAD_EPROTO, "no TLS: %s", reason ? reason : "?");
 }
@@ -384,7 +393,7 @@ tls_handshake(struct tls *t, struct rad_error *err)
     unsigned long e;
     int rc;
 
-    if (t->done)
+    if (t->state >= TLS_DONE)
         return 1;
     ERR_clear_error();
     rc = SSL_do_handshake(t->ssl);
@@ -393,7 +402,7 @@ tls_handshake(struct tls *t, struct rad_error *err)
             return rad_fail(err, RAD_EPERM, "the key '%s' was not used", t->id);
         if (t->server && (rc = check_key_again(t, err)) < 0)
             return rc;
-        t->done = true;
+        t->state = TLS_DONE;
         /* a proven peer may keep its 33 KiB of buffers: to allocate them for
          * each record takes as long as to encrypt a short one */
         SSL_clear_mode(t->ssl, SSL_MODE_RELEASE_BUFFERS);
@@ -413,7 +422,7 @@ tls_handshake(struct tls *t, struct rad_error *err)
 bool
 tls_waiting(const struct tls *t)
 {
-    return t->waiting;
+    return t->state == TLS_WAITING;
 }
 
 void
@@ -439,7 +448,7 @@ tls_read(struct tls *t, void *p, size_t n, struct rad_error *err)
 {
     int rc, why;
 
-    if (!t->done || t->ended)
+    if (t->state != TLS_DONE)
         return 0;
     /* faster than SSL_read(), which would take as long as a short message */
     if (SSL_pending(t->ssl) == 0 && BIO_ctrl_pending(t->in) == 0)
@@ -453,20 +462,20 @@ tls_read(struct tls *t, void *p, size_t n, struct rad_error *err)
         return 0;
     if (why != SSL_ERROR_ZERO_RETURN)
         return broken(err);
-    t->ended = true;
+    t->state = TLS_ENDED;
     return 0;
 }
 
 bool
 tls_ended(const struct tls *t)
 {
-    return t->ended;
+    return t->state == TLS_ENDED;
 }
 
 int
 tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err)
 {
-    if (!t->done || n > TLS_PIECE)
+    if (t->state < TLS_DONE || n > TLS_PIECE)
         return rad_fail(err, RAD_EINTERNAL, "not now, or too much");
     if (n > 0 && SSL_write(t->ssl, p, (int)n) != (int)n)
         return broken(err);
@@ -530,7 +539,7 @@ tls_seal(struct tls *t, const void *p, size_t len, size_t head, size_t *n,
 void
 tls_end(struct tls *t)
 {
-    if (t->done)
+    if (t->state >= TLS_DONE)
         SSL_shutdown(t->ssl);
     ERR_clear_error();
 }

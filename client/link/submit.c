@@ -99,9 +99,9 @@ send_job(struct submit *s)
     submit_reach(s, STAGE_ASKED);
     if ((rc = link_send(s->link, &m, s->err)) < 0 ||
         (rc = submit_await(s, MSG_ACCEPT, &answer)) < 0) {
-        if (s->refused) {
+        if (s->refusal != REFUSAL_NONE) {
             s->stage = STAGE_OURS;
-            s->in_line = true;
+            s->refusal = REFUSAL_IN_LINE;
         }
         return rc;
     }
@@ -156,7 +156,7 @@ in_queue(struct submit *s, bool *queued)
     struct roll r;
     int rc = submit_ask_workers(s, &r);
 
-    *queued = s->done || r.busy;
+    *queued = submit_is_done(s) || r.busy;
     s->wait_ms = submit_now_ms(s);
     return rc;
 }
@@ -167,7 +167,8 @@ alive(struct submit *s)
 {
     int rc = s->cb->alive ? s->cb->alive(s->cb->arg, s->err) : 0;
 
-    s->ended |= rc < 0;
+    if (rc < 0)
+        s->ending = ENDING_DEAD;
     return rc;
 }
 
@@ -200,13 +201,13 @@ watch(struct submit *s)
     while (s->delivered < s->job->spec->nframes) {
         if (*s->where.wake == 1)
             return submit_cancel(s);
-        rc = s->done || s->last.frames_ready > s->delivered
+        rc = submit_is_done(s) || s->last.frames_ready > s->delivered
                  ? submit_deliver_frame(s)
                  : await_picture(s);
         if (rc < 0)
             return rc;
     }
-    while (!s->done) /* the last picture may come before DONE */
+    while (!submit_is_done(s)) /* the last picture may come before DONE */
         if ((rc = submit_next(s, &m)) < 0)
             return rc;
     return submit_deliver_stats(s);
@@ -260,7 +261,8 @@ await_workers(struct submit *s)
         return 0;
     while ((rc = submit_ask_workers(s, &r)) == 0) {
         rc = s->cb->gathered(s->cb->arg, r.n, r.names, s->err);
-        s->ended |= rc < 0;
+        if (rc < 0)
+            s->ending = ENDING_DEAD;
         if (rc != 0)
             break;
         if (submit_now_ms(s) - begin_ms > COME_SLOWLY_MS)
@@ -275,7 +277,7 @@ converse(struct submit *s)
 {
     int rc;
 
-    s->done = false;
+    s->ending = ENDING_NONE;
     s->last.frames_ready = 0;
     if ((rc = send_scene(s)) < 0 || (rc = await_workers(s)) < 0 ||
         (rc = send_job(s)) < 0 || s->job->detach)
@@ -295,7 +297,8 @@ may_retry(struct submit *s, const struct rad_error *why)
         return submit_interrupted(s);
     if ((rc = alive(s)) < 0)
         return rc;
-    if (s->refused && !s->told_refused && s->stage < STAGE_ACCEPTED)
+    if (s->refusal != REFUSAL_NONE && !s->told_refused &&
+        s->stage < STAGE_ACCEPTED)
         s->start_ms = submit_now_ms(s);
     if (s->stage < STAGE_ACCEPTED && waited_since(s, s->start_ms))
         return rad_fail(s->err, why->code, "%s", why->what);
@@ -307,12 +310,13 @@ static void
 say_retry(struct submit *s, const struct rad_error *why)
 {
     char text[sizeof why->what + 60], seconds[FIGURE_TEXT];
-    bool *told = s->refused ? &s->told_refused : &s->told_lost;
+    bool refused = s->refusal != REFUSAL_NONE;
+    bool *told = refused ? &s->told_refused : &s->told_lost;
 
     if (*told)
         return;
     *told = true;
-    if (s->refused && s->stage < STAGE_ACCEPTED)
+    if (refused && s->stage < STAGE_ACCEPTED)
         snprintf(text, sizeof text, "%s; trying again for %s s", why->what,
                  figure(seconds, s->job->wait_s, 3));
     else
@@ -341,7 +345,7 @@ backoff_ms(struct submit *s)
     uint64_t ms = BACKOFF_MAX_MS, r;
     int n = s->failures++;
 
-    if (s->refused && n > BACKOFFS_IN_LINE)
+    if (s->refusal != REFUSAL_NONE && n > BACKOFFS_IN_LINE)
         n = BACKOFFS_IN_LINE;
     if (n < 6)
         ms = (uint64_t)BACKOFF_MS << n;
@@ -358,7 +362,7 @@ connect_to(struct submit *s)
         link_open(&s->link, &s->where, &s->job->to, MSG_ROLE_USER,
                   (int)(ms > CONNECT_LEAST_MS ? ms : CONNECT_LEAST_MS), s->err);
 
-    s->refused = rc == RAD_ETEMPFAIL;
+    s->refusal = rc == RAD_ETEMPFAIL ? REFUSAL_GONE : REFUSAL_NONE;
     if (rc < 0)
         return rc;
     if (s->told_lost && s->connected)
@@ -374,16 +378,16 @@ connect_to(struct submit *s)
 static int
 attempt(struct submit *s)
 {
-    int rc = s->in_line ? 0 : connect_to(s);
+    int rc = s->refusal == REFUSAL_IN_LINE ? 0 : connect_to(s);
     uint64_t begin_ms = submit_now_ms(s);
 
     if (rc < 0)
         return rc;
-    s->refused = s->in_line = false;
+    s->refusal = REFUSAL_NONE;
     rc = converse(s);
-    if (!s->refused && s->stage < STAGE_ACCEPTED)
+    if (s->refusal == REFUSAL_NONE && s->stage < STAGE_ACCEPTED)
         s->start_ms += submit_now_ms(s) - begin_ms;
-    if (!s->in_line) {
+    if (s->refusal != REFUSAL_IN_LINE) {
         link_close(s->link);
         s->link = NULL;
     }
@@ -400,16 +404,16 @@ persevere(struct submit *s)
     int rc;
 
     for (;;) {
-        bool refused = s->refused;
+        bool refused = s->refusal != REFUSAL_NONE, again;
 
         why = (struct rad_error){ 0 };
         s->err = &why;
         rc = attempt(s);
         s->err = err;
-        if (s->refused != refused)
+        again = s->refusal != REFUSAL_NONE;
+        if (again != refused)
             s->failures = 0; /* tries for another reason do not count */
-        if ((rc != RAD_EUNAVAIL && !s->refused) || s->cancelled || s->ended ||
-            s->over)
+        if ((rc != RAD_EUNAVAIL && !again) || s->ending > ENDING_DONE)
             break;
         if ((rc = may_retry(s, &why)) < 0)
             return rc;

@@ -22,7 +22,8 @@ ask(struct submit *s, struct msg *m, const struct msg_answer **answer)
     rc = link_send(s->link, m, s->err);
     do
         rc = rc < 0 ? rc : submit_next(s, &got);
-    while (rc == 0 || (rc == 1 && got->request != s->request && !s->done));
+    while (rc == 0 ||
+           (rc == 1 && got->request != s->request && !submit_is_done(s)));
     s->fetching = false;
     if (rc == 1 && got->request == s->request && got->type == MSG_ANSWER)
         *answer = &got->answer;
@@ -54,7 +55,7 @@ ask_row(struct submit *s)
 int
 submit_ask_reason(struct submit *s)
 {
-    if (!s->cb->reason || s->done || s->cancelled ||
+    if (!s->cb->reason || s->ending != ENDING_NONE ||
         !s->cb->wonders(s->cb->arg) || submit_now_ms(s) < s->reason_due_ms)
         return 0;
     s->reason_due_ms = submit_now_ms(s) + REASON_MS;
@@ -72,7 +73,7 @@ submit_ask_workers(struct submit *s, struct roll *r)
 
     *r = (struct roll){ 0 };
     for (;; m.page.cursor = next) {
-        if ((rc = ask(s, &m, &answer)) < 0 || s->done)
+        if ((rc = ask(s, &m, &answer)) < 0 || submit_is_done(s))
             return rc;
         if ((rc = roll_page(r, answer, &next, s->err)) < 0)
             return rc;

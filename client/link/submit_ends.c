@@ -37,7 +37,7 @@ left_behind(struct submit *s)
 
     msg_job_format(s->job->spec->job, hex);
     format_way(s, way, sizeof way);
-    if (s->done)
+    if (submit_is_done(s))
         return rad_fail(s->err, RAD_ETEMPFAIL,
                         "interrupted; the job is done: %s", way);
     if (s->last.state == MSG_STATE_PAUSED)
@@ -59,7 +59,8 @@ submit_interrupted(struct submit *s)
 {
     char hex[MSG_JOB_HEX];
 
-    if ((s->cancelled && !s->done) || s->cb->alive || s->stage < STAGE_ASKED)
+    if (s->ending == ENDING_CANCEL || s->ending == ENDING_OVER ||
+        s->cb->alive || s->stage < STAGE_ASKED)
         return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
     if (s->stage >= STAGE_KNOWN)
         return left_behind(s);

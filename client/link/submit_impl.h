@@ -29,6 +29,31 @@ enum stage {
     STAGE_ACCEPTED
 };
 
+/* How the job ends, as far as we know.
+ *
+ *   NONE --DONE--> DONE --CANCEL is sent--> LATE
+ *     |--CANCEL is sent--> CANCEL --DONE--> LATE
+ *     |                       '--ANSWER, FAILED--> OVER
+ *     |--FAILED--> OVER
+ *     '--our own cluster has ended--> DEAD
+ *
+ * A new connection begins with NONE after DONE, too: DONE comes again. */
+enum ending {
+    ENDING_NONE,
+    ENDING_DONE,   /* DONE came: all pictures are there */
+    ENDING_CANCEL, /* CANCEL was sent */
+    ENDING_LATE,   /* and DONE came: the job stays */
+    ENDING_OVER,   /* the job has failed, or is cancelled */
+    ENDING_DEAD    /* our own cluster has ended: do not try again */
+};
+
+/* Did a limit that has room again later refuse the last try? */
+enum refusal {
+    REFUSAL_NONE,
+    REFUSAL_GONE,   /* yes, and the connection was closed */
+    REFUSAL_IN_LINE /* yes; the connection is kept, and with it our turn */
+};
+
 struct submit {
     const struct submit_job *job;
     const struct submit_callbacks *cb;
@@ -43,14 +68,12 @@ struct submit {
     int failures;   /* tries since the last that brought something */
     uint32_t nwanted; /* files that the coordinator last asked for */
     bool connected; /* there was a connection at some time */
-    bool refused;   /* the last try: by a limit that has room again later */
-    bool in_line;   /* the connection is kept, and with it our turn */
+    enum refusal refusal;
     bool told_lost, told_refused; /* the user knows */
     /* the job */
-    bool met_worker, done, cancelled;
+    enum ending ending;
+    bool met_worker;
     bool fetching;      /* fetch() or ask() handles a FAILED of this request */
-    bool over;          /* the job has failed, or is cancelled */
-    bool ended;         /* our own cluster has ended: do not try again */
     uint32_t delivered; /* frames that were delivered */
     struct msg_progress last; /* without its job id */
     uint64_t preview_due_ms;
@@ -72,6 +95,9 @@ int submit_next(struct submit *s, const struct msg **m);
 
 /* Wait for a message of that type. */
 int submit_await(struct submit *s, uint16_t type, const struct msg **m);
+
+/* Did DONE come, on this connection? */
+bool submit_is_done(const struct submit *s);
 
 /* Cancel the job and wait, for a few seconds at most, until the coordinator
  * has, or says that the job is over.  A job that was done before CANCEL came

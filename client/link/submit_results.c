@@ -65,7 +65,8 @@ fetch_preview(struct submit *s, struct rad_memory_out *f)
     s->err = &why;
     rc = fetch(s, s->delivered, MSG_WHAT_PREVIEW, f);
     s->err = err;
-    if (rc == 0 || (!s->over && rc != RAD_EUNAVAIL && rc != RAD_EPROTO))
+    if (rc == 0 ||
+        (s->ending != ENDING_OVER && rc != RAD_EUNAVAIL && rc != RAD_EPROTO))
         return rc < 0 ? 0 : 1;
     if (err)
         *err = why;

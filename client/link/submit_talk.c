@@ -55,17 +55,29 @@ take_progress(struct submit *s, const struct msg_progress *m)
         s->cb->progress(s->cb->arg, m);
 }
 
+static void
+take_done(struct submit *s)
+{
+    if (s->ending == ENDING_NONE)
+        s->ending = ENDING_DONE;
+    else if (s->ending == ENDING_CANCEL)
+        s->ending = ENDING_LATE;
+}
+
 static int
 take_failed(struct submit *s, const struct msg *m)
 {
-    if ((s->fetching && m->request == s->request) ||
-        (s->cancelled && s->done)) /* it ended before CANCEL came */
+    bool cancelled = s->ending == ENDING_CANCEL;
+
+    if ((s->fetching && m->request == s->request) || s->ending == ENDING_LATE)
         return 0;
     /* not taken now, but perhaps later: of a job that fails with that status
      * the coordinator has told the progress before */
-    s->refused = s->stage < STAGE_KNOWN && m->failed.status == EX_TEMPFAIL;
-    s->over = !s->refused;
-    if (s->cancelled)
+    if (s->stage < STAGE_KNOWN && m->failed.status == EX_TEMPFAIL)
+        s->refusal = REFUSAL_GONE;
+    else
+        s->ending = ENDING_OVER;
+    if (cancelled)
         return submit_interrupted(s);
     return rad_fail(s->err, link_code(m->failed.status), "%s", m->failed.text);
 }
@@ -78,8 +90,8 @@ take(struct submit *s, const struct msg *m)
     else if (m->type == MSG_RECORDS && is_ours(s, m->records.job) &&
              s->cb->records)
         s->cb->records(s->cb->arg, &m->records);
-    else if (m->type == MSG_DONE)
-        s->done |= is_ours(s, m->done.job);
+    else if (m->type == MSG_DONE && is_ours(s, m->done.job))
+        take_done(s);
     else if (m->type == MSG_FAILED && is_ours(s, m->failed.job))
         return take_failed(s, m);
     return 0;
@@ -103,9 +115,15 @@ submit_next(struct submit *s, const struct msg **m)
 }
 
 bool
+submit_is_done(const struct submit *s)
+{
+    return s->ending == ENDING_DONE || s->ending == ENDING_LATE;
+}
+
+bool
 submit_is_settled(const struct submit *s)
 {
-    return s->over || s->done || s->cb->alive;
+    return s->ending == ENDING_OVER || submit_is_done(s) || s->cb->alive;
 }
 
 int
@@ -116,20 +134,21 @@ submit_cancel(struct submit *s)
     uint64_t until = submit_now_ms(s) + CANCEL_MS;
     int rc;
 
-    s->cancelled = true;
+    s->ending = submit_is_done(s) ? ENDING_LATE : ENDING_CANCEL;
     m.cancel.job = s->job->spec->job;
     rc = link_send(s->link, &m, s->err);
     while (rc >= 0 && submit_now_ms(s) < until) {
         rc = submit_next(s, &answer);
         if (rc == 1 && answer->request == s->request &&
             (answer->type == MSG_ANSWER || answer->type == MSG_FAILED)) {
-            s->over = true;
+            if (s->ending == ENDING_CANCEL)
+                s->ending = ENDING_OVER;
             break;
         }
     }
     if (!submit_is_settled(s))
         return submit_not_settled(s);
-    if (!s->done || s->cb->alive)
+    if (!submit_is_done(s) || s->cb->alive)
         submit_say_what_it_got(s);
     return submit_interrupted(s);
 }

@@ -19,6 +19,16 @@
 #define BACKLOG  511
 #define A_TURN   10 /* connections accepted in one turn of the loop */
 
+/*  CLOSED <--> OPEN --> RUNS --> (a callback needs another run) --> AGAIN
+ *                ^       |                                            |
+ *                '-------'--------------------------------------------'  */
+enum serve_state {
+    SERVE_CLOSED, /* no handle of libuv is open */
+    SERVE_OPEN,
+    SERVE_RUNS, /* MHD_run() is under way */
+    SERVE_AGAIN /* the same, and is to be called again */
+};
+
 struct serve {
     uv_loop_t *loop;
     struct serve_conf conf;
@@ -30,7 +40,7 @@ struct serve {
                  * second */
     uint64_t may_ms;
     uv_timer_t timer;
-    bool open, running, again;
+    enum serve_state state;
     struct serve_guest *guests;
     unsigned nguests;
     char address[ADDRESS_TEXT];
@@ -223,20 +233,17 @@ serve_run(struct serve *s)
 {
     MHD_UNSIGNED_LONG_LONG wait;
 
-    if (!s->open)
+    if (s->state == SERVE_RUNS) /* called by a callback of MHD_run() */
+        s->state = SERVE_AGAIN;
+    if (s->state != SERVE_OPEN)
         return;
-    if (s->running) { /* called by a callback of MHD_run() */
-        s->again = true;
-        return;
-    }
-    s->running = true;
+    s->state = SERVE_RUNS;
     MHD_run(s->mhd);
-    s->running = false;
-    if (s->again)
+    if (s->state == SERVE_AGAIN)
         wait = 0;
     else if (MHD_get_timeout(s->mhd, &wait) != MHD_YES)
         wait = 1000;
-    s->again = false;
+    s->state = SERVE_OPEN;
     uv_timer_start(&s->timer, on_timer, wait < 1000 ? wait : 1000, 0);
 }
 
@@ -299,7 +306,8 @@ void
 serve_tick(struct serve *s)
 {
     serve_run(s);
-    if (s->open && !uv_is_active((uv_handle_t *)&s->door) && may_come(s))
+    if (s->state == SERVE_OPEN && !uv_is_active((uv_handle_t *)&s->door) &&
+        may_come(s))
         uv_poll_start(&s->door, UV_READABLE, on_door);
 }
 
@@ -380,7 +388,7 @@ start(struct serve *s, struct rad_error *err)
     s->poll.data = s->door.data = s->timer.data = s;
     uv_timer_init(s->loop, &s->timer);
     uv_poll_start(&s->poll, UV_READABLE, on_ready);
-    s->open = true;
+    s->state = SERVE_OPEN;
     s->may = SERVE_AT_ONCE;
     s->may_ms = uv_now(s->loop);
     serve_tick(s);
@@ -409,10 +417,10 @@ serve_open(uv_loop_t *loop, const struct serve_conf *conf,
 void
 serve_close(struct serve *s)
 {
-    if (!s || !s->open)
+    if (!s || s->state == SERVE_CLOSED)
         return;
+    s->state = SERVE_CLOSED;
     MHD_run(s->mhd); /* ends requests that serve_wake() has woken */
-    s->open = false;
     uv_close((uv_handle_t *)&s->door, NULL);
     uv_close((uv_handle_t *)&s->poll, NULL);
     uv_close((uv_handle_t *)&s->timer, NULL);
