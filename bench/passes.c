@@ -264,7 +264,13 @@ do_tile(struct bench *b, struct rad_passes *p, const struct rad_pass *pass,
     double start = now();
     size_t made = r->n;
 
-    if (!rad_passes_make(p, &b->ctx, pass, seen, tile, &never, keep, r, NULL))
+    if (!rad_passes_make(p, &b->ctx,
+                         &(struct rad_passes_order){ .pass = pass,
+                                                     .seen = seen,
+                                                     .tile = tile,
+                                                     .stop = &never,
+                                                     .fn = keep,
+                                                     .arg = r }))
         die_of("out of memory");
     if (b->tiles)
         fprintf(b->tiles, "tile %.6f %" PRIu64 " %zu\n", now() - start,

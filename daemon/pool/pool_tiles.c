@@ -78,9 +78,15 @@ fill_tile(struct renderer *by, struct pool_tile *t)
         return keep_walk(by, pass, stop, t);
     if (!pass->check)
         return rad_passes_make(
-            k->passes, &by->ctx, pass,
-            rad_ambient_view(by->pool->job->ambient, pass->reads), t->tile,
-            stop, keep_records, t, t->tells_colours ? &t->colours : NULL);
+            k->passes, &by->ctx,
+            &(struct rad_passes_order){
+                .pass = pass,
+                .seen = rad_ambient_view(by->pool->job->ambient, pass->reads),
+                .tile = t->tile,
+                .stop = stop,
+                .fn = keep_records,
+                .arg = t,
+                .colours = t->tells_colours ? &t->colours : NULL });
     if (!rad_refine_make(k->passes, &by->ctx, t->tile, stop, &sums))
         return false;
     sums_pack(&t->records, &sums);

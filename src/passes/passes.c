@@ -747,34 +747,33 @@ hand_on(const struct rad_ambtile *tile, int levels, rad_passes_fn *fn,
 
 bool
 rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
-                const struct rad_pass *pass, const struct rad_ambview *seen,
-                uint32_t tile, const _Atomic bool *stop, rad_passes_fn *fn,
-                void *arg, struct rad_pass_colours *colours)
+                const struct rad_passes_order *o)
 {
-    struct limit until = limit_of(pass, ctx, stop);
+    const struct rad_pass *pass = o->pass;
+    struct limit until = limit_of(pass, ctx, o->stop);
     struct rad_ambtile own;
     struct patch patch;
     bool whole;
 
-    if (colours)
-        colours->n = 0;
+    if (o->colours)
+        o->colours->n = 0;
     if (pass->walks)
-        return rad_passes_walk(p, ctx, pass, tile, stop, NULL);
-    rad_ambtile_begin(&own, ctx, pass->level, seen);
+        return rad_passes_walk(p, ctx, pass, o->tile, o->stop, NULL);
+    rad_ambtile_begin(&own, ctx, pass->level, o->seen);
     own.most = until.rays;
     own.end = pass->rays ? until.rays + pass->rays : UINT64_MAX;
     ctx->no_direct = true; /* only hits of hemispheres need direct light */
     if (pass->level > 0)
-        own.failed |= !ask_along_paths(p, ctx, pass, tile, &until);
+        own.failed |= !ask_along_paths(p, ctx, pass, o->tile, &until);
     else
-        ask_along_lattice(p, ctx, pass, tile, &until, &patch);
+        ask_along_lattice(p, ctx, pass, o->tile, &until, &patch);
     ctx->no_direct = false;
-    whole = !is_set(stop) && !own.failed;
+    whole = !is_set(o->stop) && !own.failed;
     if (whole)
-        hand_on(&own, ctx->job->params.ambounce, fn, arg);
+        hand_on(&own, ctx->job->params.ambounce, o->fn, o->arg);
     own.end = UINT64_MAX;
-    if (whole && colours && rad_pass_shows(pass))
-        look(&patch, colours);
+    if (whole && o->colours && rad_pass_shows(pass))
+        look(&patch, o->colours);
     rad_ambtile_end(&own, ctx);
     return whole;
 }

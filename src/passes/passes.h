@@ -67,23 +67,32 @@ struct rad_pass_colours {
 /* Most records of a tile that are kept: so many fit the largest message. */
 #define RAD_PASS_MOST_RECORDS 9000
 
-/* Make a tile of a pass that was begun.
- *   seen     the view of the cache (rad_ambient_view()) that the tile sees:
- *            with the records of pass->reads passes; NULL: the newest
- *   stop     if another thread sets it, the tile ends within a pixel
- *   fn       is called with the tile's records in their order, some at a time;
- *            if there are more than RAD_PASS_MOST_RECORDS, with that many: all
- *            of level 0, then of level 1, and so on
- *   colours  NULL, or is set after fn's last call, by the cache and the tile's
- *            records; its rays are not counted and change nothing
- * False: stopped, or memory is out; fn was not called.  Rays that leave a
- * surface count as ambient rays, those of pixels do not count as primary.
- * Thread: any, for any number of tiles at once. */
+/* Is called with a tile's records in their order, some at a time; if there are
+ * more than RAD_PASS_MOST_RECORDS, with that many: all of level 0, then of
+ * level 1, and so on. */
 typedef void rad_passes_fn(void *arg, const struct rad_ambrec *rec, size_t n);
+
+/* A tile to be made. */
+struct rad_passes_order {
+    const struct rad_pass *pass; /* was begun */
+    uint32_t tile;
+    const struct rad_ambview *seen; /* the view of the cache that the tile sees
+                                     * (rad_ambient_view()): with the records of
+                                     * pass->reads passes; NULL: the newest */
+    const _Atomic bool *stop; /* if another thread sets it, the tile ends within
+                               * a pixel */
+    rad_passes_fn *fn;
+    void *arg; /* fn's first */
+    struct rad_pass_colours
+        *colours; /* NULL, or is set after fn's last call,
+                   * by the cache and the tile's records; its
+                   * rays are not counted, change nothing */
+};
+
+/* Make the tile.  False: stopped, or memory is out; fn was not called.  Rays
+ * that leave a surface count as ambient rays, those of pixels do not count as
+ * primary.  Thread: any, for any number of tiles at once. */
 bool rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
-                     const struct rad_pass *pass,
-                     const struct rad_ambview *seen, uint32_t tile,
-                     const _Atomic bool *stop, rad_passes_fn *fn, void *arg,
-                     struct rad_pass_colours *colours);
+                     const struct rad_passes_order *order);
 
 #endif

@@ -377,9 +377,15 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
 
     k->n = 0;
     for (uint32_t i = 0; rc == 0 && i < pass->tiles; i++)
-        if (!rad_passes_make(p, ctx, pass,
-                             rad_ambient_view(ctx->job->ambient, pass->reads),
-                             i, &never, keep_records, k, NULL) ||
+        if (!rad_passes_make(
+                p, ctx,
+                &(struct rad_passes_order){
+                    .pass = pass,
+                    .seen = rad_ambient_view(ctx->job->ambient, pass->reads),
+                    .tile = i,
+                    .stop = &never,
+                    .fn = keep_records,
+                    .arg = k }) ||
             k->failed)
             rc = rad_fail_memory(err);
     if (rc == 0)

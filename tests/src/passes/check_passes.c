@@ -97,6 +97,19 @@ keep(void *arg, const struct rad_ambrec *rec, size_t n)
     l->n += n;
 }
 
+/* Make a tile; its records are added to *list. */
+static void
+make_tile(struct room *m, const struct rad_passes *p,
+          const struct rad_pass *pass, uint32_t tile, struct list *list)
+{
+    ck_assert(rad_passes_make(p, &m->w.ctx,
+                              &(struct rad_passes_order){ .pass = pass,
+                                                          .tile = tile,
+                                                          .stop = &never,
+                                                          .fn = keep,
+                                                          .arg = list }));
+}
+
 static void *
 work(void *arg)
 {
@@ -111,9 +124,14 @@ work(void *arg)
         for (int k = 0; k <= t->twice; k++) {
             t->list[tile].n = 0;
             ck_assert(rad_passes_make(
-                t->passes, &ctx, t->pass,
-                rad_ambient_view(t->job->ambient, t->pass->reads), tile, &never,
-                keep, &t->list[tile], NULL));
+                t->passes, &ctx,
+                &(struct rad_passes_order){
+                    .pass = t->pass,
+                    .seen = rad_ambient_view(t->job->ambient, t->pass->reads),
+                    .tile = tile,
+                    .stop = &never,
+                    .fn = keep,
+                    .arg = &t->list[tile] }));
         }
     }
     ck_assert_uint_eq(ctx.counts.primary_rays, 0);
@@ -252,8 +270,13 @@ levels_of_tile(const char *options)
     for (uint32_t k = 0; k < pass[i].tiles && most.n < RAD_PASS_MOST_RECORDS;
          k++) {
         l = (struct levels){ 0 };
-        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], NULL, k, &never,
-                                  count_levels, &l, NULL));
+        ck_assert(
+            rad_passes_make(p, &m->w.ctx,
+                            &(struct rad_passes_order){ .pass = &pass[i],
+                                                        .tile = k,
+                                                        .stop = &never,
+                                                        .fn = count_levels,
+                                                        .arg = &l }));
         most = l.n > most.n ? l : most;
     }
     rad_passes_free(p);
@@ -308,8 +331,7 @@ check_served(struct room *m, const struct rad_passes *p,
     ck_assert(rad_ambient_settle(m->w.job->ambient));
     memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
     for (uint32_t i = 0; i < pass->tiles; i++)
-        ck_assert(rad_passes_make(p, &m->w.ctx, pass, 0, i, &never, keep, &none,
-                                  NULL));
+        make_tile(m, p, pass, i, &none);
     ck_assert_uint_eq(none.n, 0);
     ck_assert_uint_lt(m->w.ctx.counts.rays, pass->end - pass->first);
 }
@@ -349,15 +371,12 @@ TEST(paths_can_be_walked_elsewhere)
     here.n = there.n = then.n = 0;
     for (uint32_t i = 0; i < pass[1].tiles; i++) {
         memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[1], NULL, i, &never, keep,
-                                  &here, NULL));
+        make_tile(m, p, &pass[1], i, &here);
         rays = m->w.ctx.counts.rays;
         memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-        ck_assert(rad_passes_make(told, &m->w.ctx, &pass[1], NULL, i, &never,
-                                  keep, &there, NULL));
+        make_tile(m, told, &pass[1], i, &there);
         ck_assert_uint_eq(m->w.ctx.counts.rays, rays);
-        ck_assert(rad_passes_make(late, &m->w.ctx, &pass[1], NULL, i, &never,
-                                  keep, &then, NULL));
+        make_tile(m, late, &pass[1], i, &then);
     }
     ck_assert_uint_gt(here.n, 10);
     ck_assert(here.n == there.n && here.n == then.n);
@@ -492,8 +511,7 @@ TEST(passes_go_over_all_frames)
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
         for (uint32_t i = 0; i < pass[k].tiles; i++) {
             list.n = 0;
-            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, i, &never,
-                                      keep, &list, NULL));
+            make_tile(m, p, &pass[k], i, &list);
             made[pass[k].frame] += list.n;
         }
     }
@@ -528,12 +546,17 @@ TEST(a_tile_that_shows_its_colours_is_the_same)
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
     list.n = watched.n = 0;
     memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, 0, &never, keep,
-                              &list, NULL));
+    make_tile(m, p, &pass[k], 0, &list);
     first = m->w.ctx.counts;
     m->w.ctx.counts = second;
-    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, 0, &never, keep,
-                              &watched, &colours));
+    ck_assert(
+        rad_passes_make(p, &m->w.ctx,
+                        &(struct rad_passes_order){ .pass = &pass[k],
+                                                    .tile = 0,
+                                                    .stop = &never,
+                                                    .fn = keep,
+                                                    .arg = &watched,
+                                                    .colours = &colours }));
     second = m->w.ctx.counts;
     ck_assert_uint_gt(list.n, 0);
     ck_assert_uint_eq(list.n, watched.n);
@@ -554,8 +577,14 @@ TEST(a_tile_that_shows_its_colours_is_the_same)
     for (k = 0; k < n && rad_pass_shows(&pass[k]);)
         k++;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, 0, &never, keep,
-                              &list, &colours));
+    ck_assert(
+        rad_passes_make(p, &m->w.ctx,
+                        &(struct rad_passes_order){ .pass = &pass[k],
+                                                    .tile = 0,
+                                                    .stop = &never,
+                                                    .fn = keep,
+                                                    .arg = &list,
+                                                    .colours = &colours }));
     ck_assert_uint_eq(colours.n, 0);
     rad_passes_free(p);
     close_room(m);
@@ -568,15 +597,6 @@ last_lattice(const struct rad_pass *pass, uint32_t n)
     while (pass[n - 1].scattered)
         n--;
     return n - 1;
-}
-
-/* Make a tile; its records are added to *list. */
-static void
-make_tile(struct room *m, const struct rad_passes *p,
-          const struct rad_pass *pass, uint32_t tile, struct list *list)
-{
-    ck_assert(rad_passes_make(p, &m->w.ctx, pass, NULL, tile, &never, keep,
-                              list, NULL));
 }
 
 /* Make all tiles of a pass without a limit, and add their records to the cache;
@@ -755,22 +775,19 @@ TEST(a_tile_that_ends_makes_coarse_deep_records)
     one.rays = 0;
     before = counts->ambient_rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
-    ck_assert(
-        rad_passes_make(p, &m->w.ctx, &one, NULL, 0, &never, keep, &all, NULL));
+    make_tile(m, p, &one, 0, &all);
     rays = counts->ambient_rays - before;
     one.rays = rays / 3;
     before = counts->ambient_rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &one, NULL, 0, &never, keep, &list,
-                              NULL));
+    make_tile(m, p, &one, 0, &list);
     ck_assert_uint_lt(3 * (counts->ambient_rays - before), 2 * rays);
     ck_assert_double_gt(brightness(&all), 0);
     ck_assert_double_eq_tol(brightness(&list), brightness(&all),
                             .1 * brightness(&all));
     one.rays = 1; /* then it is given up */
     list.n = 0;
-    ck_assert(rad_passes_make(p, &m->w.ctx, &one, NULL, 0, &never, keep, &list,
-                              NULL));
+    make_tile(m, p, &one, 0, &list);
     ck_assert_uint_eq(list.n, 0);
     rad_passes_free(p);
     close_room(m);
@@ -794,8 +811,7 @@ TEST(a_tile_tells_which_pixel_it_is_at)
             uint64_t at;
 
             list.n = 0;
-            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], NULL, i, &never,
-                                      keep, &list, NULL));
+            make_tile(m, p, &pass[k], i, &list);
             at = m->w.ctx.at;
             ck_assert_int_lt(RAD_AT_Y(at), m->frame.height);
             right = RAD_AT_X(at) > right ? RAD_AT_X(at) : right;
@@ -820,8 +836,12 @@ TEST(a_tile_that_is_stopped_hands_on_nothing)
     p = rad_passes_new(&m->frame, 1, NULL);
     for (uint32_t i = 0; i < n; i += n - 1) {
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        ck_assert(!rad_passes_make(p, &m->w.ctx, &pass[i], NULL, 0, &now, keep,
-                                   &list, NULL));
+        ck_assert(!rad_passes_make(p, &m->w.ctx,
+                                   &(struct rad_passes_order){ .pass = &pass[i],
+                                                               .tile = 0,
+                                                               .stop = &now,
+                                                               .fn = keep,
+                                                               .arg = &list }));
         ck_assert_uint_eq(list.n, 0);
         ck_assert(m->w.ctx.tile == NULL && !m->w.ctx.no_direct);
     }

@@ -64,8 +64,10 @@ open_room(struct room *m, const char *options)
                          0);
         made.n = 0;
         for (uint32_t k = 0; !pass[i].check && k < pass[i].tiles; k++)
-            ck_assert(rad_passes_make(m->passes, &m->w.ctx, &pass[i], NULL, k,
-                                      &never, keep, NULL, NULL));
+            ck_assert(rad_passes_make(
+                m->passes, &m->w.ctx,
+                &(struct rad_passes_order){
+                    .pass = &pass[i], .tile = k, .stop = &never, .fn = keep }));
         rad_ambient_insert_all(m->w.job->ambient, made.rec, made.n);
         ck_assert(rad_ambient_settle(m->w.job->ambient));
         if (rad_pass_is_last(pass, n, i))
