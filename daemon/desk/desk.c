@@ -166,11 +166,9 @@ desk_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
 }
 
 void
-desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job, uint32_t unit,
-              uint32_t attempt, uint32_t row, uint32_t rows)
+desk_send_ack(struct coord *c, uint64_t conn, const struct msg_ack *ack)
 {
-    struct msg m = { .type = MSG_ACK,
-                     .ack = { job, unit, attempt, row, rows } };
+    struct msg m = { .type = MSG_ACK, .ack = *ack };
 
     actions_send(&c->actions, conn, &m);
 }

@@ -151,9 +151,7 @@ void desk_late(struct job *job, uint32_t index, bool late);
 /* Log an attempt at a unit, for debugging. */
 void desk_log_unit(struct coord *c, const struct job *job,
                    const struct job_attempt *attempt, const char *what);
-void desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
-                   uint32_t unit, uint32_t attempt, uint32_t row,
-                   uint32_t rows);
+void desk_send_ack(struct coord *c, uint64_t conn, const struct msg_ack *ack);
 /* Send REVOKE, TWIN, SPLIT or YIELD for the attempt to its worker. */
 void desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
                        const struct job_attempt *attempt);

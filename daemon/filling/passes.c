@@ -369,20 +369,18 @@ gather_records(struct passes *s)
     return true;
 }
 
-/* Have the store keep a closed pass, with its counts and bytes, so that another
- * life of the coordinator goes on from there. */
+/* Have the store keep a closed pass, so that another life of the coordinator
+ * goes on from there. */
 static void
 keep_closed(struct coord *c, const struct job *job, uint32_t pass,
-            const struct msg_counts *counts, const uint8_t *bytes, size_t len,
-            bool firm)
+            struct saved_pass saved)
 {
-    struct saved_pass saved = { .len = len, .counts = *counts, .firm = firm };
     struct action *a;
 
     if (!c->env.keeps ||
         !(a = actions_add_job(&c->actions, ACT_PUT_PASS, 0, job->id)))
         return;
-    saved.bytes = actions_keep(&c->actions, bytes, len);
+    saved.bytes = actions_keep(&c->actions, saved.bytes, saved.len);
     a->frame = pass;
     a->pass = actions_keep(&c->actions, &saved, sizeof saved);
 }
@@ -435,7 +433,8 @@ close_check(struct coord *c, struct job *job)
     }
     reached = stages_end(c, job, s->n, &all);
     stages_pack(c, job, bytes);
-    keep_closed(c, job, number, &counts, bytes, sizeof bytes, true);
+    keep_closed(c, job, number,
+                (struct saved_pass){ bytes, sizeof bytes, counts, true });
     if (!reached && !c->actions.failed)
         begin_stage(c, job);
     return reached;
@@ -455,8 +454,11 @@ close_pass(struct coord *c, struct job *job)
         return;
     }
     if (!checks) /* paths are not kept: a worker can walk them again */
-        keep_closed(c, job, passes_number(s), &k->counts, k->records,
-                    walks ? 0 : (size_t)k->n * AMBSHARE_BYTES, false);
+        keep_closed(c, job, passes_number(s),
+                    (struct saved_pass){
+                        .bytes = k->records,
+                        .len = walks ? 0 : (size_t)k->n * AMBSHARE_BYTES,
+                        .counts = k->counts });
     colours_close(job, &s->plan[s->open]);
     if (job->spec.flags & MSG_JOB_RECORDS && !walks)
         records_to_users(c, job, s->open);
@@ -622,26 +624,26 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
 /* --- records of another job --- */
 
 void
-passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
-            int status, const char *text)
+passes_came(struct coord *c, struct job *job, const struct saved_cache *cache)
 {
     struct passes *s = job->passes;
 
-    if (!s || s->reuse == REUSE_NONE || status != 0 ||
-        n % AMBSHARE_BYTES != 0) {
-        free(records);
+    if (!s || s->reuse == REUSE_NONE || cache->status != 0 ||
+        cache->len % AMBSHARE_BYTES != 0) {
+        free(cache->records);
         if (s && s->reuse != REUSE_NONE)
-            verdict_job(c, job, JOB_FAILED, status ? status : EX_DATAERR,
-                        status ? text : "no ambient records");
+            verdict_job(c, job, JOB_FAILED,
+                        cache->status ? cache->status : EX_DATAERR,
+                        cache->status ? cache->text : "no ambient records");
         return;
     }
     s->reuse = REUSE_NONE;
-    s->closed[0].records = records;
-    s->closed[0].n = (uint32_t)(n / AMBSHARE_BYTES);
+    s->closed[0].records = cache->records;
+    s->closed[0].n = (uint32_t)(cache->len / AMBSHARE_BYTES);
     job->cache.reused = s->closed[0].n;
     if (s->open == 0) {
         s->open = s->opened = 1;
-        s->bytes = n;
+        s->bytes = cache->len;
         if (!open_passes(s))
             c->actions.failed = true;
         if (job->spec.flags & MSG_JOB_RECORDS)

@@ -28,11 +28,9 @@ struct passes_state passes_state(const struct job *job);
 /* Ask the store for the records of another job with which this job begins, if
  * they are due and the store has this job. */
 void passes_ask(struct coord *c, struct job *job);
-/* The store's answer to that: n bytes of records, malloc'd and taken; or a
- * status of sysexits.h that is not 0, and text says why there are no records.
- */
-void passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
-                 int status, const char *text);
+/* The store's answer to that. */
+void passes_came(struct coord *c, struct job *job,
+                 const struct saved_cache *cache);
 /* Must all units wait, for tiles to be made or for records from the store? */
 bool passes_open(const struct job *job);
 /* All rows of a frame are here: a pass may now be closed. */

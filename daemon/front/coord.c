@@ -342,16 +342,15 @@ coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
 
 void
 coord_cache_came(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
-                 uint64_t sequence, uint8_t *records, size_t n, int status,
-                 const char *text)
+                 uint64_t sequence, const struct saved_cache *cache)
 {
     struct job *job = desk_same_job(c, id, sequence);
 
     c->now_ms = now_ms;
     if (job && !job_over(job))
-        passes_came(c, job, records, n, status, text);
+        passes_came(c, job, cache);
     else
-        free(records);
+        free(cache->records);
     settle(c, true);
 }
 

@@ -104,10 +104,10 @@ void coord_settled(struct coord *c, uint64_t now_ms, uint64_t conn,
 void coord_job_filed(struct coord *c, uint64_t now_ms,
                      const uint8_t job[MSG_JOB], uint64_t sequence,
                      uint64_t bytes, uint64_t cache_bytes);
-/* To ACT_LOAD_CACHE: n bytes of records, malloc'd and taken. */
+/* To ACT_LOAD_CACHE. */
 void coord_cache_came(struct coord *c, uint64_t now_ms,
                       const uint8_t job[MSG_JOB], uint64_t sequence,
-                      uint8_t *records, size_t n, int status, const char *text);
+                      const struct saved_cache *cache);
 
 /* ACT_SEND_PICTURE has sent all of its answer, or failed. */
 void coord_sent(struct coord *c, uint64_t conn);

@@ -45,6 +45,15 @@ struct saved_pass {
     bool firm; /* sync the pass before anything later is kept; not kept */
 };
 
+/* The records of another job's cache that a job begins with, as they were read.
+ */
+struct saved_cache {
+    uint8_t *records; /* malloc'd, the receiver's; NULL: reading failed */
+    size_t len;
+    int status; /* 0, or of sysexits.h, with text */
+    const char *text;
+};
+
 /* The most bytes of records of one stage of a job. */
 #define SAVED_STAGE_BYTES (UINT64_C(512) << 20)
 

@@ -112,12 +112,11 @@ job_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
 
 static void
 cache_read(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
-           uint8_t *records, size_t len, int status, const char *text)
+           const struct saved_cache *cache)
 {
     struct radcoord *r = arg;
 
-    coord_cache_came(r->coord, radcoord_now(r), job, sequence, records, len,
-                     status, text);
+    coord_cache_came(r->coord, radcoord_now(r), job, sequence, cache);
     settled(r);
 }
 

@@ -117,7 +117,9 @@ static void
 ack(struct coord *c, const struct coord_worker *w, const struct job *job,
     const struct msg_result *m)
 {
-    desk_send_ack(c, w->conn, job->id, m->unit, m->attempt, m->row, m->rows);
+    desk_send_ack(
+        c, w->conn,
+        &(struct msg_ack){ job->id, m->unit, m->attempt, m->row, m->rows });
 }
 
 /* The attempt's last row came, but other rows or the bottom are missing: the
@@ -426,8 +428,9 @@ result_stored(struct coord *c, const struct action_rows *key)
     w = job->parts[key->worker].worker;
     u = &job->units[key->unit];
     if (w->conn != 0)
-        desk_send_ack(c, w->conn, job->id, key->unit, key->attempt, key->row,
-                      key->rows);
+        desk_send_ack(c, w->conn,
+                      &(struct msg_ack){ job->id, key->unit, key->attempt,
+                                         key->row, key->rows });
     if (u->state == UNIT_DONE || u->lead != key->attempt ||
         u->stored_rows != key->row)
         return;

@@ -49,9 +49,9 @@ struct store_handler {
      * folder; cache_bytes: of these, the job's ambient cache. */
     void (*filed)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
                   uint64_t bytes, uint64_t cache_bytes);
-    /* store_load_cache() has read the records (malloc'd, taken), or failed. */
+    /* store_load_cache() has read the records, or failed. */
     void (*cache)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
-                  uint8_t *records, size_t len, int status, const char *text);
+                  const struct saved_cache *cache);
     /* store_settle(): all requests before it are on the disk. */
     void (*settled)(void *arg, uint64_t conn, uint32_t request);
     /* store_recover() found a job that was forgotten; may be NULL. */

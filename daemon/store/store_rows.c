@@ -137,8 +137,7 @@ struct cache_task {
     struct task task;
     uint8_t id[MSG_JOB];
     uint64_t sequence;
-    uint8_t *records;
-    size_t len;
+    struct saved_cache cache;
 };
 
 static int
@@ -146,9 +145,9 @@ cache_run(struct task *t)
 {
     struct cache_task *k = (struct cache_task *)t;
 
-    k->records =
-        folder_read_first(&store_of(t)->folder, k->id, &k->len, &t->err);
-    return k->records ? 0 : t->err.code;
+    k->cache.records =
+        folder_read_first(&store_of(t)->folder, k->id, &k->cache.len, &t->err);
+    return k->cache.records ? 0 : t->err.code;
 }
 
 static void
@@ -157,11 +156,12 @@ cache_done(struct task *t)
     struct cache_task *k = (struct cache_task *)t;
     struct store *s = store_of(t);
 
+    k->cache.status = status_of(t);
+    k->cache.text = failure(t);
     if (is_mute(s, t))
-        free(k->records);
+        free(k->cache.records);
     else
-        s->handler->cache(s->arg, k->id, k->sequence, k->records, k->len,
-                          status_of(t), failure(t));
+        s->handler->cache(s->arg, k->id, k->sequence, &k->cache);
     free(k);
 }
 

@@ -33,12 +33,12 @@ type_name(const struct action *a)
 static void
 load_cache(struct session *s, const struct action *a)
 {
-    uint8_t *records = calloc(2, AMBSHARE_BYTES);
+    struct saved_cache cache = { .records = calloc(2, AMBSHARE_BYTES),
+                                 .len = (size_t)2 * AMBSHARE_BYTES };
 
-    if (!records)
+    if (!cache.records)
         abort();
-    coord_cache_came(s->coord, s->now_ms, a->job, a->sequence, records,
-                     (size_t)2 * AMBSHARE_BYTES, 0, NULL);
+    coord_cache_came(s->coord, s->now_ms, a->job, a->sequence, &cache);
 }
 
 /* What a store that keeps all does at once. */

@@ -136,12 +136,12 @@ static void
 put_loaded(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     const struct saved_pass *first = &job->kept.pass[0];
-    uint8_t *bytes = malloc(first->len + 1);
+    struct saved_cache cache = { .records = malloc(first->len + 1),
+                                 .len = first->len };
 
-    SIM_CHECK(&s->net, bytes && job->kept.npasses > 0);
-    memcpy(bytes, first->bytes, first->len);
-    coord_cache_came(s->coord, s->net.now_ms, job->id, e->sequence, bytes,
-                     first->len, 0, NULL);
+    SIM_CHECK(&s->net, cache.records && job->kept.npasses > 0);
+    memcpy(cache.records, first->bytes, first->len);
+    coord_cache_came(s->coord, s->net.now_ms, job->id, e->sequence, &cache);
 }
 
 static void

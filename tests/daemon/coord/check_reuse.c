@@ -319,16 +319,16 @@ TEST(a_cache_beyond_the_limit_is_not_kept_at_all)
 static void
 came(const uint8_t *job, uint32_t n, int status)
 {
-    uint8_t *bytes = calloc(n, AMBSHARE_BYTES);
+    struct saved_cache cache = { .status = status, .text = "it is damaged" };
 
-    ck_assert_ptr_nonnull(bytes);
-    for (uint32_t i = 0; i < n; i++)
-        bytes[i * AMBSHARE_BYTES] = (uint8_t)(i + 1);
-    coord_cache_came(f.c, ++f.now_ms, job, find(job)->sequence,
-                     status ? NULL : bytes, status ? 0 : n * AMBSHARE_BYTES,
-                     status, "it is damaged");
-    if (status)
-        free(bytes);
+    if (!status) {
+        cache.len = n * AMBSHARE_BYTES;
+        cache.records = calloc(n, AMBSHARE_BYTES);
+        ck_assert_ptr_nonnull(cache.records);
+        for (uint32_t i = 0; i < n; i++)
+            cache.records[i * AMBSHARE_BYTES] = (uint8_t)(i + 1);
+    }
+    coord_cache_came(f.c, ++f.now_ms, job, find(job)->sequence, &cache);
     carry_out();
 }
 
