@@ -255,8 +255,8 @@ desk_others_may(const struct coord *c, const struct job *job,
 bool
 desk_idle_job(const struct job *job)
 {
-    return job_over(job) || job->stage == STAGE_ARRIVING ||
-           job->stage == STAGE_NO_ROOM || job->state == JOB_PAUSED ||
+    return job_over(job) || job->place == PLACE_ARRIVING ||
+           job->place == PLACE_NO_ROOM || job->state == JOB_PAUSED ||
            (job->partition && job_waiting(job) == 0 && job->late == 0 &&
             !job->filling && !desk_can_balance(job));
 }

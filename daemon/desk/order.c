@@ -55,7 +55,7 @@ rank_of(const struct job *job)
 {
     if (!job_over(job) || job->ending)
         return job->nparts > 0 ? ORDER_BEGUN : ORDER_QUEUED;
-    return job->stage == STAGE_FILED ? ORDER_FILED : ORDER_ENDED;
+    return job->place == PLACE_FILED ? ORDER_FILED : ORDER_ENDED;
 }
 
 /* The end of a rank in coord.jobs, which is the beginning of the next. */

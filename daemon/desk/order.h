@@ -21,7 +21,7 @@ enum order_rank {
     ORDER_BEGUN,  /* not over, and some worker has a part in the job */
     ORDER_QUEUED, /* not over, and no worker knows the job */
     ORDER_ENDED,  /* over; units and workers are still in memory */
-    ORDER_FILED   /* over, and lightened (STAGE_FILED) */
+    ORDER_FILED   /* over, and lightened (PLACE_FILED) */
 };
 
 /* Add a job, which has its sequence; false: memory is out. */

@@ -167,7 +167,7 @@ passes_ask(struct coord *c, struct job *job)
     struct passes *s = job->passes;
     struct action *a;
 
-    if (!s || s->reuse != REUSE_DUE || job->stage != STAGE_OPEN ||
+    if (!s || s->reuse != REUSE_DUE || job->place != PLACE_OPEN ||
         job_over(job))
         return;
     a = actions_add_job(&c->actions, ACT_LOAD_CACHE, 0, job->id);

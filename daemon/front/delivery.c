@@ -77,7 +77,7 @@ static bool
 begin(struct coord *c, struct coord_conn *conn, struct coord_telling *t,
       struct job *job)
 {
-    if (job->stage == STAGE_FILED) {
+    if (job->place == PLACE_FILED) {
         send_kept(c, conn, t->request, job, 0, MSG_WHAT_STATS);
         return false;
     }
@@ -194,7 +194,7 @@ delivery_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
     if (!job)
         return;
-    if (m->fetch.what == MSG_WHAT_STATS && job->stage != STAGE_FILED) {
+    if (m->fetch.what == MSG_WHAT_STATS && job->place != PLACE_FILED) {
         fetch_stats(c, conn, m, job);
         return;
     }

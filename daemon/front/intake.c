@@ -185,7 +185,7 @@ attach(struct coord *c, struct coord_conn *conn, uint32_t request,
         return;
     }
     conn->watch_request = request;
-    if (job->stage == STAGE_OPEN || job_over(job))
+    if (job->place == PLACE_OPEN || job_over(job))
         joblife_send_accept(c, conn, job, true);
     if (job_over(job))
         joblife_send_end(c, conn, job);

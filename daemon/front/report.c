@@ -223,7 +223,7 @@ lacks_workers(const struct coord *c, const struct job *job,
 static bool
 waits_its_turn(const struct coord *c, const struct job *job)
 {
-    if (job->stage != STAGE_OPEN || job->state == JOB_PAUSED ||
+    if (job->place != PLACE_OPEN || job->state == JOB_PAUSED ||
         (job->state == JOB_RUNNING && holding_workers(job) > 0))
         return false;
     for (const struct coord_worker *w = c->workers; w; w = w->next)
@@ -251,7 +251,7 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     if (job_over(job))
         return job->text;
     if (job_held(job))
-        return job->stage == STAGE_NO_ROOM ? job->text : c->full_text;
+        return job->place == PLACE_NO_ROOM ? job->text : c->full_text;
     if (nobody)
         return nobody;
     if (full) {
@@ -270,7 +270,7 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 }
 
 /* Add the bytes that workers sent, and the redundant ambient records that came;
- * zeros in STAGE_FILED. */
+ * zeros in PLACE_FILED. */
 static void
 add_traffic(json_t *o, const struct job *job)
 {

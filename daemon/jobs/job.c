@@ -13,7 +13,7 @@
  *   any of these --a verdict (verdict.h), which is final-->
  *      DONE (all pictures are written), FAILED, CANCELLED
  *
- * How far the store is with it (enum job_stage):
+ * How far the store is with it (enum job_place):
  *
  *     ARRIVING --all files are here--> OPENING --no room--> NO_ROOM
  *      |    |                           |   |                |   |
@@ -133,7 +133,7 @@ uint32_t
 job_weight(const struct job *job)
 {
     uint64_t n =
-        job->stage == STAGE_FILED ? job->spec.nframes : job->frames_counted;
+        job->place == PLACE_FILED ? job->spec.nframes : job->frames_counted;
 
     return 1 + (uint32_t)(n / FRAMES_A_JOB);
 }
@@ -236,7 +236,7 @@ drop_costs(struct job *job)
 void
 job_lighten(struct job *job)
 {
-    job_step(job, STAGE_FILED);
+    job_step(job, PLACE_FILED);
     free_work(job);
     for (uint32_t i = 0; i < job->spec.nframes; i++) {
         job->frames[i].line_s = NULL;
@@ -260,31 +260,31 @@ job_over(const struct job *job)
     return job->state >= JOB_DONE;
 }
 
-const struct steps job_stages = {
-    JOB_STAGES,
+const struct steps job_places = {
+    JOB_PLACES,
     {
-        [STAGE_ARRIVING] = { "arriving", STEP(STAGE_OPENING) |
-                                             STEP(STAGE_OPEN) |
-                                             STEP(STAGE_FILED) },
-        [STAGE_OPENING] = { "opening", STEP(STAGE_NO_ROOM) | STEP(STAGE_OPEN) |
-                                           STEP(STAGE_KEPT) },
-        [STAGE_NO_ROOM] = { "no-room", STEP(STAGE_OPEN) | STEP(STAGE_KEPT) },
-        [STAGE_OPEN] = { "open", STEP(STAGE_KEPT) },
-        [STAGE_KEPT] = { "kept", STEP(STAGE_FILED) },
-        [STAGE_FILED] = { "filed", 0 },
+        [PLACE_ARRIVING] = { "arriving", STEP(PLACE_OPENING) |
+                                             STEP(PLACE_OPEN) |
+                                             STEP(PLACE_FILED) },
+        [PLACE_OPENING] = { "opening", STEP(PLACE_NO_ROOM) | STEP(PLACE_OPEN) |
+                                           STEP(PLACE_KEPT) },
+        [PLACE_NO_ROOM] = { "no-room", STEP(PLACE_OPEN) | STEP(PLACE_KEPT) },
+        [PLACE_OPEN] = { "open", STEP(PLACE_KEPT) },
+        [PLACE_KEPT] = { "kept", STEP(PLACE_FILED) },
+        [PLACE_FILED] = { "filed", 0 },
     },
 };
 
 void
-job_step(struct job *job, enum job_stage to)
+job_step(struct job *job, enum job_place to)
 {
-    job->stage = (enum job_stage)steps_take(&job_stages, job->stage, to);
+    job->place = (enum job_place)steps_take(&job_places, job->place, to);
 }
 
 bool
 job_held(const struct job *job)
 {
-    return !job_over(job) && (job->full || job->stage == STAGE_NO_ROOM);
+    return !job_over(job) && (job->full || job->place == PLACE_NO_ROOM);
 }
 
 const char *

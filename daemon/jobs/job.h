@@ -33,17 +33,18 @@ enum job_state {
     JOB_CANCELLED
 };
 
-/* How far the store is with a job; drawn at the head of job.c. */
-enum job_stage {
-    STAGE_ARRIVING, /* some of its files are yet to come */
-    STAGE_OPENING,  /* the store was asked to make room for the job's rows */
-    STAGE_NO_ROOM,  /* the disk has no such room yet: job.text says why */
-    STAGE_OPEN,     /* files, and room for rows, are on the disk */
-    STAGE_KEPT,     /* the job is over, and the store has its statistics */
-    STAGE_FILED     /* only the job's end is in memory (job_lighten()); the
+/* A job's place in the store: how far the store is with it; drawn at the head
+ * of job.c. */
+enum job_place {
+    PLACE_ARRIVING, /* some of its files are yet to come */
+    PLACE_OPENING,  /* the store was asked to make room for the job's rows */
+    PLACE_NO_ROOM,  /* the disk has no such room yet: job.text says why */
+    PLACE_OPEN,     /* files, and room for rows, are on the disk */
+    PLACE_KEPT,     /* the job is over, and the store has its statistics */
+    PLACE_FILED     /* only the job's end is in memory (job_lighten()); the
                      * store has the rest */
 };
-#define JOB_STAGES 6
+#define JOB_PLACES 6
 
 /* A unit fails its job when it brought down children of two workers, or, of a
  * single worker, this many. */
@@ -78,13 +79,13 @@ struct job {
     struct job *chain; /* next in its chain of coord.by_job */
     enum job_state state;
     bool ending;          /* the verdict is yet to be carried out (verdict.h) */
-    enum job_stage stage; /* changed by job_step() alone */
+    enum job_place place; /* changed by job_step() alone */
     bool full;            /* the disk is full, so the job is held */
     bool watched;         /* a preview was asked for */
     uint32_t lives;       /* lives of the coordinator that the job outlived */
     bool restored; /* an earlier life laid its units out; no worker came yet */
     struct stats_text *filing; /* statistics under way to the store, or NULL */
-    struct msg_progress last;  /* the last PROGRESS; set in STAGE_FILED */
+    struct msg_progress last;  /* the last PROGRESS; set in PLACE_FILED */
     uint64_t kept_bytes; /* size of the job's folder; set once it is over */
     uint32_t unfetched;  /* frames that are written and not fetched */
     uint64_t fetched_ms; /* when a file was last sent in this life; or 0 */
@@ -172,10 +173,10 @@ void job_lighten(struct job *job);
 
 /* Is the job done, failed or cancelled? */
 bool job_over(const struct job *job);
-/* Which stage may follow which; see the head of job.c. */
-extern const struct steps job_stages;
-/* Change the job's stage; the step must be in job_stages. */
-void job_step(struct job *job, enum job_stage to);
+/* Which place may follow which; see the head of job.c. */
+extern const struct steps job_places;
+/* Change the job's place; the step must be in job_places. */
+void job_step(struct job *job, enum job_place to);
 
 /* Does the job get no units because the disk is full? */
 bool job_held(const struct job *job);

@@ -173,7 +173,7 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
 {
     uint64_t until = job_over(job) ? job->end_ms : now_ms;
 
-    if (job->stage == STAGE_FILED) {
+    if (job->place == PLACE_FILED) {
         *p = job->last;
         p->job = job->id;
         return;

@@ -199,7 +199,7 @@ hold_caches(struct coord *c)
     for (size_t i = 0; i < c->njobs; i++) {
         const struct job *job = c->jobs[i];
 
-        if (job->spec.reuse && job->stage < STAGE_OPEN && !job_over(job) &&
+        if (job->spec.reuse && job->place < PLACE_OPEN && !job_over(job) &&
             (from = desk_find_job(c, job->spec.reuse)))
             from->cache.held = true;
     }
@@ -223,7 +223,7 @@ static bool
 may_lose_cache(const struct coord *c, const struct job *job)
 {
     (void)c;
-    return job->cache.bytes > 0 && !job->cache.held && job->stage >= STAGE_KEPT;
+    return job->cache.bytes > 0 && !job->cache.held && job->place >= PLACE_KEPT;
 }
 
 /* Drop ambient caches, the oldest first, while the caches of all users together

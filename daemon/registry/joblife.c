@@ -101,10 +101,10 @@ next_file(const struct job *job)
 static bool
 lacks_files(const struct job *job)
 {
-    return job->stage == STAGE_ARRIVING && !job_over(job);
+    return job->place == PLACE_ARRIVING && !job_over(job);
 }
 
-/* The job's workers may load it from STAGE_OPENING on.
+/* The job's workers may load it from PLACE_OPENING on.
  * A file counts as here only if the job's owner sent it: a user who knows only
  * the hash of another user's file gets no picture of that file.  This is called
  * for each file that comes, so the search goes on at the file where it ended.
@@ -131,7 +131,7 @@ joblife_try_open(struct coord *c, struct job *job)
         return;
     if (!known_name(&job->payer->files, f))
         c->actions.failed = true;
-    job_step(job, STAGE_OPENING);
+    job_step(job, PLACE_OPENING);
     c->stirred = true;
     a = actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
     if (a)
@@ -175,7 +175,7 @@ end_stalled(struct coord *c, struct job *job)
 static bool
 may_lighten(const struct coord *c, const struct job *job)
 {
-    return job->stage == STAGE_KEPT &&
+    return job->place == PLACE_KEPT &&
            c->now_ms - job->end_ms >= JOBLIFE_LINGER_MS && !telling_of(c, job);
 }
 
@@ -228,7 +228,7 @@ joblife_keep_state(struct coord *c, const struct job *job)
 {
     struct action *a;
 
-    if (!c->env.keeps || job->stage == STAGE_ARRIVING)
+    if (!c->env.keeps || job->place == PLACE_ARRIVING)
         return;
     a = actions_add_job(&c->actions, ACT_JOB_STATE, 0, job->id);
     if (!a)
@@ -256,8 +256,8 @@ joblife_opened(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
 
     if (!job)
         return;
-    waited = job->stage == STAGE_NO_ROOM;
-    job_step(job, STAGE_OPEN);
+    waited = job->place == PLACE_NO_ROOM;
+    job_step(job, PLACE_OPEN);
     job->open_ms = c->now_ms;
     passes_ask(c, job);
     if (waited)
@@ -284,7 +284,7 @@ void
 joblife_drop(struct coord *c, struct job *job)
 {
     order_remove(c, job);
-    if (job->stage != STAGE_ARRIVING)
+    if (job->place != PLACE_ARRIVING)
         known_unname(&job->payer->files, c->now_ms, &job->spec.files);
     joblife_free(job);
     connlife_drop_forgotten(c);
@@ -323,7 +323,7 @@ go_on_filing(struct coord *c, struct job *job)
 static void
 file_job(struct coord *c, struct job *job)
 {
-    if (!c->env.keeps || job->stage == STAGE_ARRIVING)
+    if (!c->env.keeps || job->place == PLACE_ARRIVING)
         return;
     job->filing = stats_begin(job, c->now_ms);
     if (job->filing)

@@ -267,7 +267,7 @@ take_filed(const struct recovery *r)
     const struct saved_job *s = r->s;
     struct job *job = r->job;
 
-    job_step(job, STAGE_FILED);
+    job_step(job, PLACE_FILED);
     job->state = (enum job_state)s->state;
     job->status = s->status;
     snprintf(job->text, sizeof job->text, "%s", s->text);
@@ -324,7 +324,7 @@ recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
         take_filed(&r);
         return 0;
     }
-    job_step(r.job, STAGE_OPEN);
+    job_step(r.job, PLACE_OPEN);
     return take_up(&r);
 }
 

@@ -232,7 +232,7 @@ waits_for_lines(const struct coord *c, const struct coord_worker *w,
 {
     uint32_t index = desk_index(job, w);
 
-    return index != JOB_NOBODY && job->stage == STAGE_OPEN &&
+    return index != JOB_NOBODY && job->place == PLACE_OPEN &&
            desk_can_balance(job) && job->parts[index].state == PART_READY &&
            w->in_flight == 0 && c->now_ms - w->free_ms < AWAIT_MS;
 }
@@ -309,7 +309,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
             start_job(c, job, w);
             continue;
         }
-        if (job->spec.priority >= floor && job->stage == STAGE_OPEN &&
+        if (job->spec.priority >= floor && job->place == PLACE_OPEN &&
             job->parts[index].state == PART_READY) {
             if (serve_job(c, job, w, index, &done))
                 return true;

@@ -32,7 +32,7 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
 {
     const struct job_part *part = &job->parts[index];
 
-    if (desk_idle_job(job) || job->stage != STAGE_OPEN ||
+    if (desk_idle_job(job) || job->place != PLACE_OPEN ||
         part->state != PART_READY)
         return false;
     if (part->lags)

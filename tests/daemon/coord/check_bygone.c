@@ -389,7 +389,7 @@ TEST(of_a_job_that_is_filed_its_end_is_kept)
     wait_s(1); /* a worker may tell something yet */
     ck_assert_ptr_nonnull(job->units);
     wait_s(2);
-    ck_assert_int_eq(job->stage, STAGE_FILED);
+    ck_assert_int_eq(job->place, PLACE_FILED);
     ck_assert_ptr_null(job->units);
     ck_assert_ptr_null(job->partition);
     ck_assert_uint_eq(job->nparts, 0);

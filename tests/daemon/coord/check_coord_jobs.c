@@ -224,9 +224,9 @@ TEST(a_job_of_many_files_is_accepted)
     }
     m.submit.files = (struct msg_hashes){ MANY, names[0] };
     say(ANA, &m);
-    ck_assert_int_eq(desk_find_job(f.c, job_a)->stage, STAGE_ARRIVING);
+    ck_assert_int_eq(desk_find_job(f.c, job_a)->place, PLACE_ARRIVING);
     wait_s(1);
-    ck_assert_int_eq(desk_find_job(f.c, job_a)->stage, STAGE_OPEN);
+    ck_assert_int_eq(desk_find_job(f.c, job_a)->place, PLACE_OPEN);
 }
 
 /* A user of whom nothing has come, and what is wanted of that one. */

@@ -273,7 +273,7 @@ TEST(the_store_tells_of_a_job_that_was_filed_meanwhile)
     coord_job_filed(f.c, f.now_ms, job_a, job_number(job_a), 0, 0);
     for (int i = 0; i < 100; i++)
         tick();
-    ck_assert_int_eq(desk_find_job(f.c, job_a)->stage, STAGE_FILED);
+    ck_assert_int_eq(desk_find_job(f.c, job_a)->place, PLACE_FILED);
     f.crammed = false;
     coord_tick(f.c, f.now_ms += 100);
     for (size_t i = 0; i < l->n; i++)

@@ -269,15 +269,15 @@ TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
     submit(ANA, job_a, 0);
     job = desk_find_job(f.c, job_a);
     coord_job_waits(f.c, f.now_ms, job_a, gone, "it is large");
-    ck_assert(job->stage != STAGE_NO_ROOM);
+    ck_assert(job->place != PLACE_NO_ROOM);
     coord_job_opened(f.c, f.now_ms, job_a, gone, 0, "");
-    ck_assert(job->stage != STAGE_OPEN);
+    ck_assert(job->place != PLACE_OPEN);
     coord_job_opened(f.c, f.now_ms, job_a, gone, EX_TEMPFAIL, "it is over");
     coord_job_filed(f.c, f.now_ms, job_a, gone, 900, 0);
     ck_assert(!job_over(job));
     ck_assert_uint_eq(job->kept_bytes, 0);
     coord_job_opened(f.c, f.now_ms, job_a, job->sequence, 0, "");
-    ck_assert(job->stage == STAGE_OPEN);
+    ck_assert(job->place == PLACE_OPEN);
 }
 
 TEST(owner_and_admin_delete_a_job_that_is_over)

@@ -63,10 +63,10 @@ take_frame(int from, int to)
 static int
 take_stage(int from, int to)
 {
-    struct job job = { .stage = (enum job_stage)from };
+    struct job job = { .place = (enum job_place)from };
 
-    job_step(&job, (enum job_stage)to);
-    return (int)job.stage;
+    job_step(&job, (enum job_place)to);
+    return (int)job.place;
 }
 
 static const struct machine machines[] = {
@@ -88,7 +88,7 @@ static const struct machine machines[] = {
       take_frame,
       { "open: writing written fetched", "writing: written", "written: fetched",
         "fetched:" } },
-    { &job_stages,
+    { &job_places,
       take_stage,
       { "arriving: opening open filed", "opening: no-room open kept",
         "no-room: open kept", "open: kept", "kept: filed", "filed:" } },
