@@ -4,8 +4,8 @@ libdaemon_a_SOURCES += \
 	daemon/filling/colours.h \
 	daemon/filling/dearest.c \
 	daemon/filling/dearest.h \
-	daemon/filling/lead.c \
-	daemon/filling/lead.h \
+	daemon/filling/filled.c \
+	daemon/filling/filled.h \
 	daemon/filling/passes.c \
 	daemon/filling/passes.h \
 	daemon/filling/passes_impl.h \

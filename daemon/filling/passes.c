@@ -19,7 +19,7 @@
 #include "desk/verdict.h"
 #include "filling/colours.h"
 #include "filling/dearest.h"
-#include "filling/lead.h"
+#include "filling/filled.h"
 #include "filling/passes_impl.h"
 #include "filling/records.h"
 #include "filling/stages.h"
@@ -246,7 +246,7 @@ note_progress(struct job *job)
         else if (i < s->opened && k->ntiles > 0)
             done += s->weight[i] * (k->ntiles - k->left) / k->ntiles;
     }
-    lead_note(job, all > 0 ? done / all : 1, s->open == s->n);
+    filled_note(job, all > 0 ? done / all : 1, s->open == s->n);
 }
 
 /* Make job->passes, with the passes of the present stage; none is closed. */
@@ -262,7 +262,7 @@ lay_out(struct job *job, struct rad_error *err)
     tiles_drop(s);
     rc = plan_stage(job, err);
     if (rc == 0)
-        lead_begin(job, s->size);
+        filled_begin(job, s->size);
     return rc;
 }
 

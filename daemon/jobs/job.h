@@ -125,7 +125,7 @@ struct job {
     uint32_t units_done, units_redone;
     uint64_t pixels_done, pixels_total;
     double cost_done, cost_total; /* of units, as the partition has costs */
-    struct progress_lead lead;
+    struct progress_filled filled;
     struct progress_pace pace;
     uint64_t rays;              /* of units that are done */
     uint64_t estimate_ms;       /* how long the estimate took */

@@ -70,7 +70,7 @@ cost_seen(const struct job *job)
 static double
 cost_of_all(const struct job *job)
 {
-    return job->cost_total / (1 - job->lead.part);
+    return job->cost_total / (1 - job->filled.share);
 }
 
 void
@@ -186,8 +186,8 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .units_done = job->units_done,
         .units_total = job->partition ? partition_total(job->partition) : 0,
         .units_redone = job->units_redone,
-        .cost_done =
-            cost_seen(job) + cost_of_all(job) * job->lead.part * job->lead.done,
+        .cost_done = cost_seen(job) +
+                     cost_of_all(job) * job->filled.share * job->filled.done,
         .cost_total = cost_of_all(job),
         .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
         .frames_ready = job->frames_ready,

@@ -12,10 +12,10 @@ struct msg_counts;
 struct msg_progress;
 struct rad_error_estimate;
 
-/* The passes, which come before the units, as a part of the job's work. */
-struct progress_lead {
-    double part; /* the passes' share of all work of the job; 0: no passes */
-    double done; /* share of the passes' work that is done; it never shrinks */
+/* How much of the ambient cache is filled: work before the units. */
+struct progress_filled {
+    double share; /* the passes' share of all work of the job; 0: no passes */
+    double done;  /* share of the passes' work that is done; never shrinks */
 };
 
 struct progress_look {

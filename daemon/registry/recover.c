@@ -15,7 +15,7 @@
 #include "registry/connlife.h"
 #include "registry/joblife.h"
 #include "filling/stages.h"
-#include "filling/lead.h"
+#include "filling/filled.h"
 #include "filling/passes.h"
 #include "sched/loss.h"
 #include "sched/result.h"
@@ -241,7 +241,7 @@ take_up(const struct recovery *r)
         job->first_ms = job->open_ms;
     if (job->kept.n > 0 && !job->first_ms)
         passes_restore(job);
-    lead_restore(job);
+    filled_restore(job);
     job->state = r->s->state == JOB_PAUSED ? JOB_PAUSED
                  : job->first_ms           ? JOB_RUNNING
                                            : JOB_WAITING;

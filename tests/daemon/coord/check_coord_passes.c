@@ -311,7 +311,7 @@ TEST(dear_passes_do_not_take_progress_back)
 
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
-    foreseen = desk_find_job(f.c, job_a)->lead.part;
+    foreseen = desk_find_job(f.c, job_a)->filled.share;
     for (uint32_t pass = 0; pass < PASSES; pass++) {
         tile_rays = pass < PASSES / 2 ? 1000 : 50000;
         for (uint32_t i = 0; i < tiles_of(pass); i++) {

@@ -1,7 +1,7 @@
-/* lead.c - see lead.h */
+/* filled.c - see filled.h */
 #include "config.h"
 
-#include "filling/lead.h"
+#include "filling/filled.h"
 
 #include "jobs/progress.h"
 #include "machine/jobtext.h"
@@ -12,28 +12,28 @@
 #include <stdlib.h>
 
 void
-lead_begin(struct job *job, const struct rad_pass_size *size)
+filled_begin(struct job *job, const struct rad_pass_size *size)
 {
     struct rad_params params;
 
     if (jobtext_params(job->spec.params, &params, NULL) == 0)
-        job->lead.part = rad_passcost_part(&params, size, job->spec.nframes,
-                                           job->spec.flags & MSG_JOB_REUSE);
+        job->filled.share = rad_passcost_part(&params, size, job->spec.nframes,
+                                              job->spec.flags & MSG_JOB_REUSE);
 }
 
 void
-lead_note(struct job *job, double done, bool all)
+filled_note(struct job *job, double done, bool all)
 {
     if (msg_has_goal(&job->spec))
         done = 1 - (1 - done / 2) * pow(.5, job->goal.number);
     if (all)
         done = 1;
-    if (done > job->lead.done)
-        job->lead.done = done;
+    if (done > job->filled.done)
+        job->filled.done = done;
 }
 
 void
-lead_restore(struct job *job)
+filled_restore(struct job *job)
 {
     struct rad_pass_size *size;
 
@@ -41,7 +41,7 @@ lead_restore(struct job *job)
         return;
     size = stages_sizes(&job->spec);
     if (size)
-        lead_begin(job, size);
-    lead_note(job, 1, true);
+        filled_begin(job, size);
+    filled_note(job, 1, true);
     free(size);
 }
