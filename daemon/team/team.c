@@ -118,8 +118,8 @@ begin_blocks_locked(struct team *t, int i)
             ~team_blocks_of(&spec->sampler, spec->loan->x, spec->loan->n);
         away.base |= spec->loan->base ? away.bar : UINT64_MAX;
     }
-    atomic_store(&line_at(t, i)->taken[PART_BASE], away.base);
-    atomic_store(&line_at(t, i)->taken[PART_BAR], away.bar);
+    atomic_store(&line_at(t, i)->taken[LINE_BASE], away.base);
+    atomic_store(&line_at(t, i)->taken[LINE_BAR], away.bar);
 }
 
 /* The line's buffers had another line, whose helpers are done. */
@@ -128,7 +128,7 @@ begin_help_locked(struct team *t, int i)
 {
     struct line *l = line_at(t, i);
 
-    for (int k = 0; k < NPART; k++)
+    for (int k = 0; k < LINE_PARTS; k++)
         l->helped[k] = l->helped_done[k] = 0;
     rad_facts_free(atomic_load_explicit(&l->own, memory_order_relaxed));
     atomic_store_explicit(&l->own, NULL, memory_order_relaxed);

@@ -23,7 +23,7 @@
 /* A block for a helper. */
 struct help {
     int i; /* the line */
-    enum part part;
+    enum line_part part;
     int b;
 };
 
@@ -37,15 +37,15 @@ ready_of(const struct team *t, int i)
 /* Which part of line i, which is begun and not done, can be helped with?  For
  * the bar the line above is not only to be known but in its row, too. */
 static bool
-part_of(const struct team *t, int i, enum part *part)
+part_of(const struct team *t, int i, enum line_part *part)
 {
     size_t above = i > t->spec.first ? ready_of(t, i - 1) : t->ndensity + 1;
 
     if (ready_of(t, i) > t->ndensity) {
-        *part = PART_BAR;
+        *part = LINE_BAR;
         return above > t->ndensity && has_bar(t, i);
     }
-    *part = PART_BASE;
+    *part = LINE_BASE;
     return above >= t->ndensity && team_block_columns(&t->spec.sampler) >=
                                        LEAST_GAPS * t->spec.sampler.xstep;
 }
@@ -53,11 +53,11 @@ part_of(const struct team *t, int i, enum part *part)
 /* The end of the columns whose blocks the line's member will claim: in the last
  * block of a base line no gap may begin. */
 static int
-end_of(const struct rad_quincunx *q, int i, enum part part)
+end_of(const struct rad_quincunx *q, int i, enum line_part part)
 {
     int ngaps = rad_quincunx_ngaps(q, i), columns = team_block_columns(q), end;
 
-    if (part == PART_BAR)
+    if (part == LINE_BAR)
         return team_line_rows(q, i) > 1 ? q->width : 0;
     if (ngaps == 0)
         return 0;
@@ -67,7 +67,7 @@ end_of(const struct rad_quincunx *q, int i, enum part part)
 
 /* Blocks that nobody has begun. */
 static uint64_t
-free_blocks(const struct team *t, int i, enum part part)
+free_blocks(const struct team *t, int i, enum line_part part)
 {
     const struct rad_quincunx *q = &t->spec.sampler;
 
@@ -85,7 +85,7 @@ find_locked(const struct team *t, struct help *h, uint64_t *blocks)
     if (is_stopped(t) || t->spec.ahead.earlier)
         return false;
     for (int i = t->finished; i < t->begun; i++) {
-        enum part part;
+        enum line_part part;
         uint64_t free;
 
         if (line_at(t, i)->done || !part_of(t, i, &part))
@@ -96,7 +96,7 @@ find_locked(const struct team *t, struct help *h, uint64_t *blocks)
         most = rad_count_bits(free);
         *h = (struct help){ .i = i, .part = part };
         *blocks = free;
-        if (part == PART_BASE)
+        if (part == LINE_BASE)
             break;
     }
     return most > 1;
@@ -172,7 +172,7 @@ help_with_block(struct member *m)
         return false;
     member_set_line(m, h.i);
     m->helps = true;
-    if (h.part == PART_BASE) {
+    if (h.part == LINE_BASE) {
         sweep_base_block(m, h.b, NULL);
     } else {
         member_bar_rows(m, rows);
@@ -187,7 +187,7 @@ help_with_block(struct member *m)
 
 /* Wait until helpers have done those of these blocks that they took. */
 static void
-await_locked(struct member *m, enum part part, uint64_t blocks)
+await_locked(struct member *m, enum line_part part, uint64_t blocks)
 {
     struct team *t = m->team;
     struct line *l = line_at(t, m->i);
@@ -198,7 +198,7 @@ await_locked(struct member *m, enum part part, uint64_t blocks)
 }
 
 bool
-help_claim(struct member *m, enum part part, int b)
+help_claim(struct member *m, enum line_part part, int b)
 {
     uint64_t bit = UINT64_C(1) << b;
 
@@ -217,14 +217,14 @@ help_claim_early(struct member *m, int gap)
     int x = rad_quincunx_gap_begin(&m->q, m->i, gap);
     uint64_t bit = UINT64_C(1) << x / team_block_columns(&m->q);
 
-    if ((m->begun_early | m->mine[PART_BASE]) & bit)
+    if ((m->begun_early | m->mine[LINE_BASE]) & bit)
         return true;
-    if (atomic_fetch_or(&l->taken[PART_BASE], bit) & bit)
+    if (atomic_fetch_or(&l->taken[LINE_BASE], bit) & bit)
         return false;
     m->begun_early |= bit;
     uv_mutex_lock(&m->team->mu);
-    l->helped[PART_BASE] |= bit;
-    l->helped_done[PART_BASE] |= bit;
+    l->helped[LINE_BASE] |= bit;
+    l->helped_done[LINE_BASE] |= bit;
     uv_mutex_unlock(&m->team->mu);
     return true;
 }
@@ -236,8 +236,8 @@ help_await_base(struct member *m)
     uint64_t done;
 
     uv_mutex_lock(&m->team->mu);
-    await_locked(m, PART_BASE, UINT64_MAX);
-    done = l->helped_done[PART_BASE];
+    await_locked(m, LINE_BASE, UINT64_MAX);
+    done = l->helped_done[LINE_BASE];
     uv_mutex_unlock(&m->team->mu);
     for (int b = 0; b < MOST_BLOCKS; b++)
         if (done >> b & 1)

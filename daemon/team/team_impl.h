@@ -35,7 +35,7 @@
 #define MOST_BLOCKS 64
 
 /* Blocks are counted apart for a base line and for its bar. */
-enum part { PART_BASE, PART_BAR, NPART };
+enum line_part { LINE_BASE, LINE_BAR, LINE_PARTS };
 
 struct line {
     uint8_t *density;          /* after this line; written by its member */
@@ -55,10 +55,10 @@ struct line {
     /* Blocks that the line's member began, or that are lent: the thread that
      * sets a bit has the block.  No other data depends on the bits;
      * sequentially consistent, as a weaker order would gain nothing. */
-    _Atomic uint64_t taken[NPART];
+    _Atomic uint64_t taken[LINE_PARTS];
     /* [mu] Blocks that helpers took, and of these the ones that they did; with
      * those of which the member traced pixels early. */
-    uint64_t helped[NPART], helped_done[NPART];
+    uint64_t helped[LINE_PARTS], helped_done[LINE_PARTS];
     /* What helpers traced while spec.facts had no facts of the line; made by
      * the first of them, with mu held, and stays until the line's buffers get
      * another line.  Stored (release) for recall(). */

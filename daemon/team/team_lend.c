@@ -114,7 +114,7 @@ block_cost(const struct lending *l, int b)
 /* Claim blocks for a loan.  A member may have been quicker at some: of the
  * others keep the longest run, and give the rest back. */
 static uint64_t
-take_blocks(struct line *l, enum part part, uint64_t blocks)
+take_blocks(struct line *l, enum line_part part, uint64_t blocks)
 {
     uint64_t got = blocks & ~atomic_fetch_or(&l->taken[part], blocks);
     uint64_t run = longest_run(got);
@@ -152,9 +152,9 @@ lend_blocks(const struct lending *by, double part, struct team_loan *loan)
     uint64_t free = team_blocks_of(q, 0, q->width), got;
     double cost[MOST_BLOCKS], left = 0;
 
-    free &= ~atomic_load(&l->taken[PART_BAR]) & ~t->lent.ever;
+    free &= ~atomic_load(&l->taken[LINE_BAR]) & ~t->lent.ever;
     if (by->base)
-        free &= ~atomic_load(&l->taken[PART_BASE]);
+        free &= ~atomic_load(&l->taken[LINE_BASE]);
     for (int b = 0; b < MOST_BLOCKS; b++) {
         cost[b] = free >> b & 1 ? block_cost(by, b) : 0;
         left += cost[b];
@@ -164,8 +164,8 @@ lend_blocks(const struct lending *by, double part, struct team_loan *loan)
     got = right_part(longest_run(free), cost, part * left,
                      MOST_LENT / team_block_columns(q));
     if (by->base)
-        got = take_blocks(l, PART_BASE, got);
-    got = take_blocks(l, PART_BAR, got);
+        got = take_blocks(l, LINE_BASE, got);
+    got = take_blocks(l, LINE_BAR, got);
     loan->given = 0;
     for (int b = 0; b < MOST_BLOCKS; b++)
         loan->given += got >> b & 1 ? cost[b] : 0;
@@ -270,7 +270,7 @@ team_back(struct team *t, uint64_t blocks)
     t->lent.base &= ~blocks;
     t->lent.bar &= ~blocks;
     if (t->begun > i)
-        for (int k = 0; k < NPART; k++)
+        for (int k = 0; k < LINE_PARTS; k++)
             atomic_fetch_and(&line_at(t, i)->taken[k], ~blocks);
     uv_mutex_unlock(&t->mu);
 }

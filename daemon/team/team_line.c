@@ -130,7 +130,7 @@ leave_lent_blocks(struct member *m)
 
     if (!sweep_line(m) || !help_await_base(m))
         return false;
-    mine = m->mine[PART_BASE];
+    mine = m->mine[LINE_BASE];
     if (has_bar(m->team, m->i)) {
         member_bar_rows(m, rows);
         if (!sweep_bar(m, rows, mine & (mine << 1 | 1)))
@@ -150,10 +150,10 @@ claim_gap(struct member *m, size_t gap)
         return true;
     b = rad_quincunx_gap_begin(&m->q, m->i, (int)gap) / columns;
     next = rad_quincunx_gap_begin(&m->q, m->i, (int)gap + 1) / columns;
-    if (!help_claim(m, PART_BASE, b))
+    if (!help_claim(m, LINE_BASE, b))
         return false;
     if (next > b)
-        help_claim(m, PART_BASE, next);
+        help_claim(m, LINE_BASE, next);
     return true;
 }
 
@@ -178,7 +178,7 @@ sample_line(struct member *m)
 
     if (wants_sweep(m) && !sweep_line(m))
         return false;
-    if (!help_claim(m, PART_BASE, 0))
+    if (!help_claim(m, LINE_BASE, 0))
         return leave_lent_blocks(m);
     rad_quincunx_line_start(&s, &m->q, m->i, density_above(m), l->density,
                             l->sampled);
@@ -215,7 +215,7 @@ fill_blocks(struct member *m, struct rad_pixel *const rows[])
         int b = s.x / columns, end = (b + 1) * columns;
 
         end = end < width ? end : width;
-        if (help_claim(m, PART_BAR, b)) {
+        if (help_claim(m, LINE_BAR, b)) {
             if (!member_fill(m, rows, &s, end))
                 return false;
         } else if (is_stopped(m->team)) {
@@ -269,7 +269,7 @@ fill_bar(struct member *m)
 static uint64_t
 bars_of(const struct member *m, const struct team_loan *loan)
 {
-    uint64_t mine = m->mine[PART_BASE];
+    uint64_t mine = m->mine[LINE_BASE];
     int first = loan->x / team_block_columns(&m->q);
 
     return mine & (mine << 1 | UINT64_C(1) << first);
@@ -292,7 +292,7 @@ do_loan(struct member *m)
             return false;
         bars = bars_of(m, loan);
         /* helpers leave the others out, too */
-        atomic_fetch_or(&l->taken[PART_BAR], ~bars);
+        atomic_fetch_or(&l->taken[LINE_BAR], ~bars);
     }
     finish_base(m);
     member_bar_rows(m, rows);

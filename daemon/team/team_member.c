@@ -284,7 +284,7 @@ member_set_line(struct member *m, int i)
     m->row = m->q.y0 + rad_quincunx_base_row(&m->q, i);
     m->ahead = rad_quincunx_ngaps(&m->q, i);
     m->unsure = member_is_unsure(m);
-    m->mine[PART_BASE] = m->mine[PART_BAR] = m->begun_early = 0;
+    m->mine[LINE_BASE] = m->mine[LINE_BAR] = m->begun_early = 0;
 }
 
 void

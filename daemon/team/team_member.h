@@ -18,7 +18,7 @@ struct member {
     int row;     /* of the line's base line, in the picture */
     int ahead;   /* the first gap that was traced before the member slept */
     bool unsure; /* member_is_unsure() of the line */
-    uint64_t mine[NPART]; /* blocks of the line that this member began */
+    uint64_t mine[LINE_PARTS]; /* blocks of the line that this member began */
     uint64_t begun_early; /* blocks of the base line, see help_claim_early() */
     uint64_t told;        /* rays that were added to the team's */
     uint64_t traced;      /* pixels traced */
@@ -69,7 +69,7 @@ bool member_bar_is_certain(const struct team *t, int i,
 /* --- team_sweep.c --- */
 
 /* Claim block b for the member; false: it is lent, or a helper has it. */
-bool sweep_claim(struct member *m, enum part part, int b);
+bool sweep_claim(struct member *m, enum line_part part, int b);
 /* Trace the member's base line ahead; false: the team is stopped. */
 bool sweep_line(struct member *m);
 /* Trace these blocks of the member's bar ahead; false: the team is stopped. */
@@ -86,7 +86,7 @@ void sweep_bar_block(struct member *m, struct rad_pixel *const rows[], int b);
 bool help_with_block(struct member *m);
 /* Claim block b for the member, or wait until a helper has done it; false: it
  * is lent, or the team is stopped. */
-bool help_claim(struct member *m, enum part part, int b);
+bool help_claim(struct member *m, enum line_part part, int b);
 /* Claim the gap's block of the base line to trace pixels early: no helper gets
  * it, and it counts as one that a helper did, to which the member still comes.
  * False: a helper has it, or it is lent. */

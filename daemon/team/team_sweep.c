@@ -11,7 +11,7 @@
 /* The blocks of a member's base line or bar that are traced ahead. */
 struct sweep {
     struct member *m;
-    enum part part;
+    enum line_part part;
     int row, rows; /* the rows of the line that the blocks lie in */
     int nblocks;   /* at most MOST_BLOCKS */
     int columns;   /* of a block, but the last */
@@ -21,7 +21,7 @@ struct sweep {
 
 /* Begin at the end that spec.end names. */
 static void
-start_sweep(struct sweep *s, struct member *m, enum part part)
+start_sweep(struct sweep *s, struct member *m, enum line_part part)
 {
     int n = team_line_rows(&m->q, m->i), columns = team_block_columns(&m->q);
     enum team_end end = m->team->spec.end;
@@ -29,8 +29,8 @@ start_sweep(struct sweep *s, struct member *m, enum part part)
 
     s->m = m;
     s->part = part;
-    s->row = part == PART_BASE ? n - 1 : 0;
-    s->rows = part == PART_BASE ? 1 : n - 1;
+    s->row = part == LINE_BASE ? n - 1 : 0;
+    s->rows = part == LINE_BASE ? 1 : n - 1;
     s->columns = columns;
     s->nblocks = (m->q.width + columns - 1) / columns;
     s->done = m->mine[part];
@@ -88,7 +88,7 @@ next_block(struct sweep *s)
 }
 
 bool
-sweep_claim(struct member *m, enum part part, int b)
+sweep_claim(struct member *m, enum line_part part, int b)
 {
     uint64_t bit = UINT64_C(1) << b;
 
@@ -148,7 +148,7 @@ sweep_line(struct member *m)
 
     if (!member_wait(m, m->team->ndensity))
         return false;
-    start_sweep(&s, m, PART_BASE);
+    start_sweep(&s, m, LINE_BASE);
     while ((b = next_block(&s)) >= 0)
         sweep_base_block(m, b, line_at(m->team, m->i)->sampled);
     return !is_stopped(m->team);
@@ -162,7 +162,7 @@ sweep_bar(struct member *m, struct rad_pixel *const rows[], uint64_t blocks)
 
     if (team_line_rows(&m->q, m->i) == 1)
         return true;
-    start_sweep(&s, m, PART_BAR);
+    start_sweep(&s, m, LINE_BAR);
     s.done |= ~blocks;
     while ((b = next_block(&s)) >= 0)
         sweep_bar_block(m, rows, b);
