@@ -124,6 +124,26 @@ attempt_remove(struct job *job, struct job_attempt *attempt)
     job->units[job->out[u->slot]].slot = u->slot;
 }
 
+struct attempt_walk
+attempt_walk(const struct job *job)
+{
+    return (struct attempt_walk){ .left = job->nout };
+}
+
+struct job_attempt *
+attempt_next(const struct job *job, struct attempt_walk *walk)
+{
+    for (;;) {
+        while (walk->n > 0) /* fewer are left if some were ended */
+            if (--walk->n < job->units[walk->unit].nattempts)
+                return &job->units[walk->unit].attempts[walk->n];
+        if (walk->left == 0)
+            return NULL;
+        walk->unit = job->out[--walk->left];
+        walk->n = job->units[walk->unit].nattempts;
+    }
+}
+
 struct job_attempt *
 attempt_of_part(const struct job *job, uint32_t unit, uint32_t part)
 {

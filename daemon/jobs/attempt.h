@@ -107,6 +107,18 @@ struct job_attempt *attempt_add(struct job *job, uint32_t unit);
  * without attempts leaves job->out. */
 void attempt_remove(struct job *job, struct job_attempt *attempt);
 
+/* A walk over all attempts of a job: walk = attempt_walk(job), then
+ * attempt_next() until it returns NULL.  The attempt that was returned last may
+ * be ended, and others at its unit with it. */
+struct attempt_walk {
+    uint32_t left; /* the first so many of job.out are to come */
+    uint32_t unit; /* of this one */
+    uint8_t n;     /* the first so many attempts are to come */
+};
+struct attempt_walk attempt_walk(const struct job *job);
+struct job_attempt *attempt_next(const struct job *job,
+                                 struct attempt_walk *walk);
+
 /* Find the unit's attempt by its part, by part and number, or by number.
  * NULL: there is none. */
 struct job_attempt *attempt_of_part(const struct job *job, uint32_t unit,

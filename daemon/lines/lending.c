@@ -76,13 +76,14 @@ lendable_ms(const struct coord *c, const struct job *job,
 static bool
 may_lend(const struct job *job, const struct job_attempt *attempt)
 {
+    const struct job_unit *u = &job->units[attempt->unit];
     uint32_t first, last;
 
     partition_unit_lines(job->partition, attempt->unit, &first, &last);
-    return attempt_works(attempt) && attempt->split_ms == 0 &&
+    return u->crashes == 0 && u->nattempts < JOB_MAX_ATTEMPTS - 1 &&
+           attempt_works(attempt) && attempt->split_ms == 0 &&
            attempt->lending.asked_ms == 0 && attempt->lending.blocked_ms == 0 &&
-           (job->units[attempt->unit].whole || last - first == 1 ||
-            !desk_splits(job));
+           (u->whole || last - first == 1 || !desk_splits(job));
 }
 
 /* Of the attempts that may lend, the one with the most time left; NULL: none.
@@ -90,24 +91,16 @@ may_lend(const struct job *job, const struct job_attempt *attempt)
 static struct job_attempt *
 choose_lender(const struct coord *c, const struct job *job)
 {
-    struct job_attempt *best = NULL;
-    double most = LEAST_LOAN_MS;
+    struct attempt_walk walk = attempt_walk(job);
+    struct job_attempt *attempt, *best = NULL;
+    double most = 0;
 
-    for (uint32_t i = 0; i < job->nout; i++) {
-        struct job_unit *u = &job->units[job->out[i]];
+    while ((attempt = attempt_next(job, &walk))) {
+        double ms = may_lend(job, attempt) ? lendable_ms(c, job, attempt) : 0;
 
-        if (u->crashes > 0 || u->nattempts >= JOB_MAX_ATTEMPTS - 1)
-            continue;
-        for (uint8_t k = 0; k < u->nattempts; k++) {
-            double ms;
-
-            if (!may_lend(job, &u->attempts[k]))
-                continue;
-            ms = lendable_ms(c, job, &u->attempts[k]);
-            if (ms >= most) {
-                most = ms;
-                best = &u->attempts[k];
-            }
+        if (ms >= LEAST_LOAN_MS && ms > most) {
+            most = ms;
+            best = attempt;
         }
     }
     return best;
@@ -118,15 +111,13 @@ choose_lender(const struct coord *c, const struct job *job)
 static uint32_t
 count_lending(const struct coord *c, const struct job *job)
 {
+    struct attempt_walk walk = attempt_walk(job);
+    const struct job_attempt *attempt;
     uint32_t n = 0;
 
-    for (uint32_t i = 0; i < job->nout; i++) {
-        const struct job_unit *u = &job->units[job->out[i]];
-
-        for (uint8_t k = 0; k < u->nattempts; k++)
-            n += u->attempts[k].lending.asked_ms != 0 &&
-                 c->now_ms - u->attempts[k].lending.asked_ms < LEND_MS;
-    }
+    while ((attempt = attempt_next(job, &walk)))
+        n += attempt->lending.asked_ms != 0 &&
+             c->now_ms - attempt->lending.asked_ms < LEND_MS;
     return n;
 }
 
@@ -215,19 +206,15 @@ is_late_loan(const struct coord *c, const struct job *job,
 void
 lending_tick(struct coord *c, struct job *job)
 {
-    for (uint32_t i = job->nout; i-- > 0;) {
-        struct job_unit *u = &job->units[job->out[i]];
+    struct attempt_walk walk = attempt_walk(job);
+    struct job_attempt *attempt;
 
-        for (uint8_t k = u->nattempts; k-- > 0;) {
-            struct job_attempt *attempt = &u->attempts[k];
-
-            if (attempt->origin != ATTEMPT_LOAN ||
-                !is_late_loan(c, job, attempt))
-                continue;
-            desk_log_unit(c, job, attempt, "loan late");
-            desk_send_attempt(c, job, MSG_REVOKE, attempt);
-            holding_end(c, job, attempt);
-        }
+    while ((attempt = attempt_next(job, &walk))) {
+        if (attempt->origin != ATTEMPT_LOAN || !is_late_loan(c, job, attempt))
+            continue;
+        desk_log_unit(c, job, attempt, "loan late");
+        desk_send_attempt(c, job, MSG_REVOKE, attempt);
+        holding_end(c, job, attempt);
     }
 }
 

@@ -63,19 +63,17 @@ choose_giver(const struct coord *c, const struct job *job)
 static uint32_t
 expire_splits(const struct coord *c, struct job *job)
 {
+    struct attempt_walk walk = attempt_walk(job);
+    const struct job_attempt *attempt;
     uint32_t n = 0;
 
-    for (uint32_t i = 0; i < job->nout; i++) {
-        struct job_unit *u = &job->units[job->out[i]];
-
-        for (uint8_t k = 0; k < u->nattempts; k++) {
-            if (u->attempts[k].split_ms == 0)
-                continue;
-            if (c->now_ms - u->attempts[k].split_ms >= SPLIT_LOST_MS)
-                u->whole = true; /* if it is answered yet, that counts */
-            else
-                n++;
-        }
+    while ((attempt = attempt_next(job, &walk))) {
+        if (attempt->split_ms == 0)
+            continue;
+        if (c->now_ms - attempt->split_ms < SPLIT_LOST_MS)
+            n++;
+        else /* an answer that comes after all counts */
+            job->units[attempt->unit].whole = true;
     }
     return n;
 }

@@ -22,21 +22,15 @@
 static void
 drain_parked(struct coord *c, struct job *job)
 {
-    for (uint32_t i = job->nout; i-- > 0;) {
-        struct job_unit *u = &job->units[job->out[i]];
+    struct attempt_walk walk = attempt_walk(job);
+    struct job_attempt *attempt;
 
-        for (uint8_t k = u->nattempts; k-- > 0;) {
-            struct job_attempt *attempt = &u->attempts[k];
-
-            if (!attempt_waits(attempt) || attempt->state == ATTEMPT_YIELDING ||
-                attempt->handoff.top_sent ||
-                c->now_ms - attempt->parked_ms < DRAIN_WAIT_MS ||
-                desk_takes_units(job->parts[attempt->part].worker))
-                continue;
+    while ((attempt = attempt_next(job, &walk)))
+        if (attempt_waits(attempt) && attempt->state != ATTEMPT_YIELDING &&
+            !attempt->handoff.top_sent &&
+            c->now_ms - attempt->parked_ms >= DRAIN_WAIT_MS &&
+            !desk_takes_units(job->parts[attempt->part].worker))
             loss_taken(c, job, attempt);
-            break; /* other attempts may have moved */
-        }
-    }
 }
 
 void

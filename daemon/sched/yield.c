@@ -89,14 +89,12 @@ give_back(struct coord *c, struct job *job, struct job_attempt *attempt)
 static void
 give_all_back(struct coord *c, struct job *job, uint32_t index)
 {
-    for (uint32_t i = job->nout; i-- > 0;) {
-        struct job_unit *u = &job->units[job->out[i]];
+    struct attempt_walk walk = attempt_walk(job);
+    struct job_attempt *attempt;
 
-        for (uint8_t k = u->nattempts; k-- > 0;)
-            if (k < u->nattempts && u->attempts[k].part == index &&
-                may_yield(job, &u->attempts[k]))
-                give_back(c, job, &u->attempts[k]);
-    }
+    while ((attempt = attempt_next(job, &walk)))
+        if (attempt->part == index && may_yield(job, attempt))
+            give_back(c, job, attempt);
 }
 
 static bool
@@ -117,13 +115,12 @@ is_unanswered(const struct coord *c, const struct job *job,
 static void
 give_up(struct coord *c, struct job *job)
 {
-    for (uint32_t i = job->nout; i-- > 0;) {
-        struct job_unit *u = &job->units[job->out[i]];
+    struct attempt_walk walk = attempt_walk(job);
+    struct job_attempt *attempt;
 
-        for (uint8_t k = u->nattempts; k-- > 0;)
-            if (k < u->nattempts && is_unanswered(c, job, &u->attempts[k]))
-                loss_taken(c, job, &u->attempts[k]);
-    }
+    while ((attempt = attempt_next(job, &walk)))
+        if (is_unanswered(c, job, attempt))
+            loss_taken(c, job, attempt);
 }
 
 static void

@@ -11,6 +11,7 @@
 
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -25,7 +26,7 @@ struct machine {
 };
 
 static int
-take_go(int from, int to)
+take_attempt(int from, int to)
 {
     struct job_attempt attempt = { .state = (enum attempt_state)from };
 
@@ -61,7 +62,7 @@ take_frame(int from, int to)
 }
 
 static int
-take_stage(int from, int to)
+take_place(int from, int to)
 {
     struct job job = { .place = (enum job_place)from };
 
@@ -71,7 +72,7 @@ take_stage(int from, int to)
 
 static const struct machine machines[] = {
     { &attempt_steps,
-      take_go,
+      take_attempt,
       { "over: working", "working: parked blocked yielding delivered over",
         "parked: working yielding delivered over",
         "blocked: working yielding delivered over", "yielding: delivered over",
@@ -89,7 +90,7 @@ static const struct machine machines[] = {
       { "open: writing written fetched", "writing: written", "written: fetched",
         "fetched:" } },
     { &job_places,
-      take_stage,
+      take_place,
       { "arriving: opening open filed", "opening: no-room open kept",
         "no-room: open kept", "open: kept", "kept: filed", "filed:" } },
 };
@@ -188,4 +189,37 @@ LOOP_TEST(an_attempt_works_or_waits_or_neither, ATTEMPT_STATES)
 
     ck_assert_int_eq(attempt_works(&attempt), is[_i].works);
     ck_assert_int_eq(attempt_waits(&attempt), is[_i].waits);
+}
+
+/* Units 0, 1 and 2 have one, two and three attempts; none is ended on the way;
+ * or each when it was met; or then all of its unit. */
+LOOP_TEST(a_walk_meets_each_attempt_that_is_not_over_once, 3)
+{
+    static const int met[] = { 6, 6, 3 };
+    struct job_unit unit[3] = { { 0 } };
+    struct job job = { .units = unit, .nunits = 3 };
+    struct attempt_walk walk;
+    struct job_attempt *attempt;
+    bool seen[3][3] = { { false } };
+    int n = 0;
+
+    for (uint32_t u = 0; u < 3; u++)
+        for (uint32_t k = 0; k <= u; k++)
+            attempt_add(&job, u)->number = k;
+    for (walk = attempt_walk(&job); (attempt = attempt_next(&job, &walk));
+         n++) {
+        uint32_t u = attempt->unit;
+
+        ck_assert(!seen[u][attempt->number]);
+        seen[u][attempt->number] = true;
+        if (_i == 1)
+            attempt_remove(&job, attempt);
+        while (_i == 2 && unit[u].nattempts > 0)
+            attempt_remove(&job, &unit[u].attempts[0]);
+    }
+    ck_assert_int_eq(n, met[_i]);
+    ck_assert_uint_eq(job.nout, _i == 0 ? 3 : 0);
+    for (int u = 0; u < 3; u++)
+        free(unit[u].attempts);
+    free(job.out);
 }
