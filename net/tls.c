@@ -40,23 +40,15 @@ struct tls_ctx {
     void *arg;
 };
 
-/*  client: SILENT -----------------------------> DONE -> ENDED
- *  server: SILENT -> HELLO --------------------> DONE -> ENDED
- *             '----> WAITING -> HELLO (tls_decide(), or the key is known) */
-enum tls_state {
-    TLS_SILENT,  /* of a server: no ClientHello has come */
-    TLS_HELLO,   /* one has */
-    TLS_WAITING, /* one has, and the client's key is not known yet */
-    TLS_DONE,    /* the handshake is done */
-    TLS_ENDED    /* and the other side sends nothing more */
-};
+/* SILENT -> HELLO -> DONE (the handshake) -> ENDED, by the other side.  Only a
+ * server has HELLO: a ClientHello came; before it WAITING, for the key. */
+enum tls_state { TLS_SILENT, TLS_HELLO, TLS_WAITING, TLS_DONE, TLS_ENDED };
 
 struct tls {
     SSL *ssl;
     BIO *in, *out; /* ssl's */
     struct tls_ctx *ctx;
-    bool server;
-    bool decide; /* do not wait for the key any longer */
+    bool server, decide; /* decide: do not wait for the key any longer */
     enum tls_state state;
     const char *fault; /* of a server: why the client's key is refused */
     char id[TLS_ID];
@@ -166,10 +158,9 @@ see_hello(SSL *ssl, int *alert, void *arg)
         return SSL_CLIENT_HELLO_SUCCESS;
     why = t->ctx->find(t->ctx->arg, t->id, secret);
     OPENSSL_cleanse(secret, sizeof secret);
-    if (why && is_later(why)) {
-        t->state = TLS_WAITING;
+    t->state = why && is_later(why) ? TLS_WAITING : TLS_HELLO;
+    if (t->state == TLS_WAITING)
         return SSL_CLIENT_HELLO_RETRY;
-    }
     t->id[0] = '\0'; /* the client may prove no key at all */
     return SSL_CLIENT_HELLO_SUCCESS;
 }

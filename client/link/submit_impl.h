@@ -80,6 +80,13 @@ struct submit {
     uint64_t reason_due_ms; /* when to ask again why no worker is at the job */
 };
 
+/* Did DONE come, on this connection? */
+static inline bool
+submit_is_done(const struct submit *s)
+{
+    return s->ending == ENDING_DONE || s->ending == ENDING_LATE;
+}
+
 /* --- submit_talk.c --- */
 
 uint64_t submit_now_ms(const struct submit *s);
@@ -95,9 +102,6 @@ int submit_next(struct submit *s, const struct msg **m);
 
 /* Wait for a message of that type. */
 int submit_await(struct submit *s, uint16_t type, const struct msg **m);
-
-/* Did DONE come, on this connection? */
-bool submit_is_done(const struct submit *s);
 
 /* Cancel the job and wait, for a few seconds at most, until the coordinator
  * has, or says that the job is over.  A job that was done before CANCEL came

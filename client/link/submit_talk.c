@@ -115,12 +115,6 @@ submit_next(struct submit *s, const struct msg **m)
 }
 
 bool
-submit_is_done(const struct submit *s)
-{
-    return s->ending == ENDING_DONE || s->ending == ENDING_LATE;
-}
-
-bool
 submit_is_settled(const struct submit *s)
 {
     return s->ending == ENDING_OVER || submit_is_done(s) || s->cb->alive;

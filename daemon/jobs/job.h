@@ -33,8 +33,7 @@ enum job_state {
     JOB_CANCELLED
 };
 
-/* A job's place in the store: how far the store is with it; drawn at the head
- * of job.c. */
+/* How far the store is with a job; drawn at the head of job.c. */
 enum job_place {
     PLACE_ARRIVING, /* some of its files are yet to come */
     PLACE_OPENING,  /* the store was asked to make room for the job's rows */
