@@ -131,6 +131,23 @@ compile_modifier(struct rad_job *job, int32_t index,
     return mat->shader->prepare(job, index, files, &mat->data, err);
 }
 
+/* Is it a texture that nothing shows?  The light of lamps does not depend on
+ * the normal, only the other material of an illum may.  Models with smoothed
+ * lamps have such textures on every lamp, and each shadow ray would meet one.
+ */
+static bool
+is_idle(const struct rad_job *job, const struct rad_material *m)
+{
+    if (!m->shader ||
+        (m->shader->type != RAD_TEXFUNC && m->shader->type != RAD_TEXDATA))
+        return false;
+    do
+        m = rad_material_first(job, m->next);
+    while (m && m->shader->flags & RAD_MAT_PATTERN);
+    return m && m->shader->flags & RAD_MAT_EMITS &&
+           m->shader->type != RAD_ILLUM;
+}
+
 int
 rad_material_reals(const struct rad_job *job, int32_t index, int least,
                    int most, struct rad_error *err)
@@ -211,6 +228,10 @@ rad_materials_compile(struct rad_job *job, const struct rad_files *files,
     for (int32_t i = 0; i < n && code == 0; i++)
         if (reached[i] && !rad_otype_is_surface(scene->objects[i].type))
             code = compile_modifier(job, i, files, err);
+    /* not before aliases, which stand for the texture on other materials */
+    for (int32_t i = 0; i < n && code == 0; i++)
+        if (is_idle(job, &job->materials[i]))
+            job->materials[i].shader = NULL;
     free(reached);
     return code;
 }

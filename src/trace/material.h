@@ -15,7 +15,8 @@
 
 struct rad_material {
     const struct rad_shader *shader; /* NULL: a surface, or a modifier that does
-                                      * nothing (an alias that inherits) */
+                                      * nothing (an alias that inherits, a
+                                      * texture on a lamp) */
     const void *data;                /* compiled arguments, in job->arena */
     int32_t next;                    /* modifier behind this one, RAD_VOID */
     unsigned flags; /* RAD_MAT_*: the shader's, unless they depend on the

@@ -311,6 +311,36 @@ TEST(failures_are_counted_by_object)
     ck_assert_uint_eq(w.ctx.counts.faults[1].count, 0);
 }
 
+/* A texture that has no value at z = 0, and a material on it or below it. */
+static const struct {
+    const char *material;
+    unsigned runs;
+} cracked[] = {
+    { "void plastic p 0 0 5 1 1 1 0 0\np texfunc m 4 1/Pz 0 0 . 0 0\n", 1 },
+    { "void light l 0 0 3 1 1 1\nl texfunc m 4 1/Pz 0 0 . 0 0\n", 0 },
+    { "void glow l 0 0 4 1 1 1 0\nl brightfunc b 2 1 . 0 0\n"
+      "b texfunc m 4 1/Pz 0 0 . 0 0\n",
+      0 },
+    { "void plastic p 0 0 5 1 1 1 0 0\nvoid illum l 1 p 0 3 1 1 1\n"
+      "l texfunc m 4 1/Pz 0 0 . 0 0\n",
+      1 },
+    /* on a lamp, but the alias puts it on plastic */
+    { "void light l 0 0 3 1 1 1\nl texfunc t 4 1/Pz 0 0 . 0 0\n"
+      "void plastic p 0 0 5 1 1 1 0 0\np alias m t\n",
+      1 },
+};
+
+/* A lamp's light does not depend on the normal. */
+LOOP_TEST(texture_is_not_run_for_a_lamp, N_ELEM(cracked))
+{
+    char scene[512];
+
+    snprintf(scene, sizeof scene, "%sm" SQUARE, cracked[_i].material);
+    world_open(&w, scene, PLAIN);
+    world_see(&w, 2, 3, 4, 0, 0, -1);
+    ck_assert_uint_eq(w.ctx.counts.faults[0].count, cracked[_i].runs);
+}
+
 static const struct {
     const char *pattern, *file, *problem;
 } bad[] = {
