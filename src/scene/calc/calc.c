@@ -124,16 +124,36 @@ put_extreme(struct emitter *m, int id, const struct node *call)
     }
 }
 
+int32_t
+rad_calc_real(const struct rad_calc *c, const struct node *n)
+{
+    const struct node *which = n->kid;
+
+    if (n->type != N_CALL || n->by_param ||
+        c->symbol[n->ref].kind != SYM_LIBRARY ||
+        c->symbol[n->ref].library != LIB_ARG || which->type != N_NUMBER ||
+        !(which->number >= 1 && which->number <= INT16_MAX) ||
+        which->number != (int32_t)which->number)
+        return 0;
+    return (int32_t)which->number;
+}
+
 static void
 put_library(struct emitter *m, int id, const struct node *call)
 {
     const struct library *lib = &rad_calc_library[id];
     const struct node *kid = call->kid;
+    int32_t real, resume = -1;
 
     if (call->nkids < lib->nargs) {
         m->rc = rad_fail(m->err, RAD_EDATA, "too few arguments for %s()",
                          lib->name);
         return;
+    }
+    real = rad_calc_real(m->c, call);
+    if (real > 0) {
+        put(m, OP_REAL, 0, real);
+        resume = put(m, OP_RESUME, 0, 0);
     }
     put(m, OP_CLEAR, 0, 0);
     switch (id) {
@@ -158,6 +178,8 @@ put_library(struct emitter *m, int id, const struct node *call)
         put(m, OP_LIBRARY, lib->nargs, id);
     }
     put(m, OP_CHECK, 0, 0);
+    if (resume >= 0)
+        land(m, resume);
 }
 
 static void

@@ -225,6 +225,15 @@ get_shared(struct machine *m, const struct ins *in)
     }
 }
 
+/* arg(n) has faults as the call that follows finds them. */
+PART void
+get_own_real(struct machine *m, const struct ins *in)
+{
+    m->at = m->c->code + in[1].a;
+    if (!get_real(m, in->a))
+        m->at = in + 2;
+}
+
 PART void
 share(struct machine *m, int32_t i)
 {
@@ -468,6 +477,9 @@ go_on(struct machine *m, const struct ins *in, enum op op)
     case OP_SHARE:
         share(m, in->a);
         break;
+    case OP_REAL:
+        get_own_real(m, in);
+        break;
     case OP_END:
         return leave(m);
     default: /* OP_HALT; ARG_AT and RESUME are data of calls, and are not run */
@@ -567,6 +579,7 @@ step(struct machine *m, const struct ins *in, enum op op)
     DO(CALL_PARAM)                                                             \
     DO(SHARED)                                                                 \
     DO(SHARE)                                                                  \
+    DO(REAL)                                                                   \
     DO(HALT)
 
 #define ONE_OP(op) +1

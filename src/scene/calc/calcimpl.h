@@ -144,6 +144,10 @@ struct node {
     struct node *kid, *next;
 };
 
+/* The n of a call arg(n) with a whole number, as in A1=arg(1); 0: the node is
+ * another. */
+int32_t rad_calc_real(const struct rad_calc *c, const struct node *n);
+
 /* Append the code of an expression and OP_END; returns where it starts. */
 int32_t rad_calc_emit(struct rad_calc *c, const struct node *n,
                       struct rad_error *err);

@@ -456,21 +456,6 @@ parse_params(struct parser *ps)
     expect(ps, ')', "expected ')'");
 }
 
-/* The n of a variable defined as arg(n), as in A1=arg(1); 0: it is another. */
-static int32_t
-real_of(const struct rad_calc *c, const struct node *body)
-{
-    const struct node *which = body->kid;
-
-    if (body->type != N_CALL || body->by_param ||
-        c->symbol[body->ref].kind != SYM_LIBRARY ||
-        c->symbol[body->ref].library != LIB_ARG || which->type != N_NUMBER ||
-        !(which->number >= 1 && which->number <= INT16_MAX) ||
-        which->number != (int32_t)which->number)
-        return 0;
-    return (int32_t)which->number;
-}
-
 /* Let a name stand for this definition from now on. */
 static void
 define(struct parser *ps, const char *name, const char *file, int line,
@@ -492,7 +477,7 @@ define(struct parser *ps, const char *name, const char *file, int line,
     c->symbol[i].nparams = ps->nparams;
     c->symbol[i].channel =
         ps->nparams == 0 && body->type == N_CHANNEL ? body->ref : -1;
-    c->symbol[i].real = ps->nparams ? 0 : real_of(c, body);
+    c->symbol[i].real = ps->nparams ? 0 : rad_calc_real(c, body);
     c->symbol[i].body =
         c->standard && ps->nparams ? rad_calc_keep(c, body) : NULL;
     c->symbol[i].line = line;
