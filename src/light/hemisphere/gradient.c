@@ -275,24 +275,53 @@ rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
         g->hess[k] = sum.hess[k] / E;
 }
 
+/* The mean tangent of the angle to the normal, for directions whose projections
+ * on the plane fill the ring from r0 to r1. */
+static double
+mean_tangent(double r0, double r1)
+{
+    double to = rad_asin(r1) - r1 * sqrt(1 - r1 * r1);
+    double from = rad_asin(r0) - r0 * sqrt(1 - r0 * r0);
+
+    return (to - from) / (r1 * r1 - r0 * r0);
+}
+
+/* Add the cell's light, less `mean', times its tangent across the normal. */
+static void
+add_turn(const struct rad_hemicell *c, double mean, double tangent,
+         double turn[2])
+{
+    double across = rad_hypot(c->p[0], c->p[1]);
+    double f = across > 0 ? (rad_rgb_lum(c->L) - mean) * tangent / across : 0;
+
+    turn[0] -= f * c->p[1];
+    turn[1] += f * c->p[0];
+}
+
 /* A turn of the normal by the vector da adds L da.(n x d) / (n.d) for a sample
- * in direction d: the density of samples is in proportion to n.d. */
+ * in direction d: the density of samples is in proportion to n.d.  The length
+ * of n x d over n.d is the tangent of d's angle to the normal, which has no
+ * bound: single rays near the horizon would make most of the sum, and its
+ * variance would be infinite.  So each cell has its ring's mean tangent.  The
+ * mean of the light is left out, since a uniform part adds only noise. */
 void
 rad_hemi_turn(const struct rad_hemi *h, double turn[2])
 {
-    double n2 = (double)h->n * h->n, scale = M_PI / n2 / rad_rgb_lum(h->E);
-    double mean = rad_rgb_lum(h->E) / M_PI;
+    int n = h->n;
+    double mean = rad_rgb_lum(h->E) / M_PI, scale = 1 / (mean * n * n);
 
     turn[0] = turn[1] = 0;
-    for (int k = 0; k < h->n * h->n; k++) {
-        const double *d = h->cell[k].p;
-        /* less the mean: a uniform part adds nothing in the mean, but noise
-         * from directions near the horizon */
-        double f = (rad_rgb_lum(h->cell[k].L) - mean) / d[2];
+    for (int ring = 1 - n % 2; ring < n; ring += 2) {
+        int lo = (n - 1 - ring) / 2, hi = n - 1 - lo;
+        double r0 = rad_most(ring - 1, 0) / n, r1 = (ring + 1.) / n;
+        double tangent = mean_tangent(r0, r1);
 
-        turn[0] -= scale * f * d[1];
-        turn[1] += scale * f * d[0];
+        for (int i = lo; i <= hi; i++)
+            for (int j = lo; j <= hi; j += i == lo || i == hi ? 1 : hi - lo)
+                add_turn(&h->cell[i * n + j], mean, tangent, turn);
     }
+    for (int k = 0; k < 2; k++)
+        turn[k] *= scale;
 }
 
 void
