@@ -56,10 +56,14 @@
 #define AREAS  600.
 #define PLACES 48.
 
-/* But there is at most one area, or place, for so many pixels.  A small picture
- * nevertheless has up to FEW_PLACES places, but not more than one for
- * DENSEST_PLACES pixels: each place takes two hemispheres. */
+/* But there is at most one area, or place, for so many pixels.  Areas take no
+ * hemispheres: where these have more than DENSER_RAYS rays there may be as many
+ * times more areas for the same part of a picture's rays, up to DENSEST_AREAS
+ * times.  A small picture nevertheless has up to FEW_PLACES places, but not
+ * more than one for DENSEST_PLACES pixels: each place takes two hemispheres. */
 #define SPARSE_AREAS   600.
+#define DENSER_RAYS    128.
+#define DENSEST_AREAS  4.
 #define SPARSE_PLACES  3000.
 #define FEW_PLACES     8.
 #define DENSEST_PLACES 100.
@@ -496,6 +500,16 @@ places_of(double pixels)
     return fmin(fmax(pixels / SPARSE_PLACES, few), PLACES);
 }
 
+/* How many areas to look at per pixel. */
+static double
+areas_of(const struct rad_job *job, double pixels)
+{
+    double rays = job->ambient ? job->params.ambdiv / DENSER_RAYS : 0;
+
+    return fmin(fmin(fmax(rays, 1), DENSEST_AREAS) / SPARSE_AREAS,
+                AREAS / pixels);
+}
+
 struct rad_doubt_share
 rad_doubt_of_picture(const struct rad_frame *f)
 {
@@ -504,8 +518,8 @@ rad_doubt_of_picture(const struct rad_frame *f)
     /* most of what sensor points err by is on the few at shadows' edges, of
      * which a sparse subset knows nothing */
     return (struct rad_doubt_share){
-        f->points ? 0 : fmin(1 / SPARSE_AREAS, AREAS / pixels),
-        f->job->ambient ? places_of(pixels) / pixels : 0
+        .areas = f->points ? 0 : areas_of(f->job, pixels),
+        .places = f->job->ambient ? places_of(pixels) / pixels : 0
     };
 }
 

@@ -150,6 +150,27 @@ TEST(a_single_pixel_is_found_where_all_are_looked_at)
     }
 }
 
+/* Hemispheres of many rays take more of a picture's rays than areas do. */
+TEST(areas_are_denser_where_hemispheres_take_the_rays)
+{
+    static const struct {
+        const char *options;
+        double pixels; /* of the picture, for an area without contrast */
+    } row[] = { { "-ab 0 -ad 512", 600 },
+                { "-ab 1 -aa .2 -ad 16", 600 },
+                { "-ab 1 -aa .2 -ad 192", 400 },
+                { "-ab 1 -aa .2 -ad 1024", 150 } };
+
+    for (unsigned i = 0; i < N_ELEM(row); i++) {
+        char options[100];
+
+        snprintf(options, sizeof options, "-x 4 -y 4 %s", row[i].options);
+        make(options);
+        ck_assert_double_eq_tol(rad_doubt_of_picture(&pic.frame).areas,
+                                1 / row[i].pixels, 1e-12);
+    }
+}
+
 /* What a row's width leaves over when areas are cut off it is no area that
  * counts as much as all others: its columns are part of the last one. */
 TEST(a_narrow_rest_is_no_area_by_itself)
