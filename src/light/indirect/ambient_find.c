@@ -24,6 +24,11 @@
  * the weights of those within do. */
 #define ENOUGH_WEIGHT .05
 
+/* For pixels records with larger zones count by what the weights of records
+ * with smaller zones lack to this.  With less, edges of small zones are seen.
+ */
+#define ENOUGH_SMALLER .4
+
 /* The test for a light leak takes a ray.  If the question is only whether some
  * record serves, and for deep records of a frozen cache, records that need the
  * test are put off, and left out if other records have the weight ENOUGH_DEEP.
@@ -126,6 +131,7 @@ struct search {
     float aa, reach;   /* distance in radii up to which records serve, and up to
                         * which they are averaged */
     double share;      /* factor of weights in averages */
+    double lack;       /* the same, for the size of zones that comes now */
     float behind;  /* least height over a record's surface where it serves */
     double serves; /* weight of records within aa, found so far */
     double weight; /* of all records found so far */
@@ -243,7 +249,7 @@ add_record(struct search *s, const struct rad_ambitem *it)
     angular = (double)(1 - turn / s->max_angle);
     if (dist < s->aa)
         s->serves += angular * (double)(1 - dist / s->aa);
-    w = s->share * angular * (double)(1 - dist / s->reach);
+    w = s->share * s->lack * angular * (double)(1 - dist / s->reach);
     s->weight += w;
     if (s->doubts) {
         lum = (double)(factor * rad_rgb_lum(says.E));
@@ -276,15 +282,21 @@ add_records(void *arg, const struct rad_ambitem *const *found, int n)
 }
 
 /* rad_ambcache_more_fn: if records with small zones serve well enough, larger
- * zones are left out, except those near the least size. */
+ * zones are left out, except those near the least size.  For pixels they count
+ * ever less, so E does not jump; in hemispheres jumps average out. */
 static bool
 want_more(void *arg, double side)
 {
-    const struct search *s = arg;
+    struct search *s = arg;
+    bool small = side * s->amb->scale.ambacc <= s->amb->scale.least;
 
-    return !is_answered(s) &&
-           (s->serves < ENOUGH_WEIGHT ||
-            side * s->amb->scale.ambacc <= s->amb->scale.least);
+    if (is_answered(s))
+        return false;
+    if (s->at->level > 0)
+        return small || s->serves < ENOUGH_WEIGHT;
+    if (!small)
+        s->lack = 1 - s->serves / ENOUGH_SMALLER;
+    return s->lack > 0;
 }
 
 /* Test records that were put off, until those found are enough. */
@@ -313,6 +325,7 @@ search_once(struct search *s, const struct rad_ambquery *q)
     const struct rad_ambtile *tile = s->asker->tile;
 
     s->frozen = amb->frozen;
+    s->lack = 1;
     if (amb->frozen)
         rad_ambread_visit(&amb->read, rad_ambient_seen(amb, tile)->n, q,
                           add_records, want_more, s);

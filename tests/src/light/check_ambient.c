@@ -348,6 +348,32 @@ TEST(frozen_records_that_do_not_quite_reach_fill_gaps)
     }
 }
 
+/* At the edge of a small zone within a large one E goes from one to the other
+ * record's in small steps. */
+LOOP_TEST(E_does_not_jump_where_a_small_zone_ends, 2)
+{
+    enum { STEPS = 400 };
+    struct rad_ambrec rec[2] = { record(.1, .2, -.5, 2, 0),
+                                 record(.1, .2, -.5, 4, 0) };
+    struct rad_rgb E = { 2, 0, 0 };
+    float last = 2, most = 0;
+
+    world_open(&w, PLASTIC CUBE, "-ab 2 -aa .2 -ar 0 -ad 64 -as 0");
+    if (_i == 1)
+        rad_ambient_freeze(w.job->ambient);
+    rec[0].radius[0] = rec[0].radius[1] = .02f;
+    rec[1].radius[0] = rec[1].radius[1] = .4f;
+    for (int i = 0; i < 2; i++)
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec[i]));
+    ck_assert(_i == 0 || rad_ambient_settle(w.job->ambient));
+    for (int k = 0; k < 2 * STEPS; k++, last = E.r) {
+        ck_assert(find(.1 + .2 * .02 * k / STEPS, .2, -.5, 0, 1, &E) > 0);
+        most = fmaxf(most, fabsf(E.r - last));
+    }
+    ck_assert_double_eq_tol(E.r, 4, 1e-5);
+    ck_assert_msg(most < .05f, "E jumps by %g", (double)most);
+}
+
 /* In whatever order tiles made them: deep records of one size all serve, and of
  * those that a wall may part from the place the nearest. */
 LOOP_TEST(the_order_of_deep_records_does_not_matter, 4)
