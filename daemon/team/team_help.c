@@ -82,7 +82,7 @@ find_locked(const struct team *t, struct help *h, uint64_t *blocks)
 {
     int most = 1; /* a line's member can do the last block by itself */
 
-    if (is_stopped(t) || t->spec.ahead.earlier)
+    if (is_stopped(t) || t->spec.ahead.earlier || t->helpless)
         return false;
     for (int i = t->finished; i < t->begun; i++) {
         enum line_part part;
@@ -113,6 +113,7 @@ make_facts_locked(struct team *t, int i)
                           rad_facts_new(t->spec.sampler.width,
                                         team_line_rows(&t->spec.sampler, i)),
                           memory_order_release);
+    t->helpless = !l->own; /* else helpers would ask and fail until the end */
     return l->own;
 }
 

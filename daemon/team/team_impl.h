@@ -85,6 +85,7 @@ struct team {
     int begun;             /* [mu] the next line to begin */
     int finished;          /* [mu] rows of all lines before it are handed on */
     bool handing_on;       /* [mu] a member hands rows on */
+    bool helpless;         /* [mu] there was no memory for a helper's facts */
     double waited_s;       /* [mu] in wait_for() */
     _Atomic uint64_t rays; /* relaxed: shown, never decided on */
     _Atomic uint64_t base, bars, out; /* relaxed, likewise; of team_made() */

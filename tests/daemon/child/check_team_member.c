@@ -3,6 +3,7 @@
 #include "config.h"
 
 #include "team_fixture.h"
+#include "tests/scarce.h"
 
 #include <sched.h>
 #include <stdio.h>
@@ -180,6 +181,40 @@ LOOP_TEST(a_thread_without_a_line_helps_with_that_of_another, 3)
         s.late = w->all[s.line];
     share_lines(&s, trace_when_met, s.line, s.line + 1, 2);
     ck_assert_int_eq(s.threads, 2);
+    world_free(w);
+}
+
+/* At a pixel of the bar another thread comes to help. */
+static bool
+trace_helpless(void *arg, struct rad_ctx *ctx, int x, int y,
+               struct rad_pixel *out)
+{
+    struct shared *s = arg;
+    struct team *t = s->w->team;
+
+    if (!is_base_line(s->w, y) && !s->reached) {
+        s->reached = true;
+        ck_assert(team_helps(t));
+        scarce_at = 1;
+        team_work(t, NULL);
+        ck_assert_int_eq(scarce_at, 0);
+        ck_assert(!team_helps(t));
+    }
+    return trace(s->w, ctx, x, y, out);
+}
+
+TEST(who_has_no_memory_to_help_is_not_asked_again)
+{
+    struct analytic a = { ANALYTIC_NOISE, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    struct shared s = { .w = w };
+
+    if (RAD_SANITIZED)
+        return;
+    render_alone(w);
+    w->facts[6] = NULL;
+    share_lines(&s, trace_helpless, 6, 7, 1);
+    ck_assert(s.reached);
     world_free(w);
 }
 
