@@ -95,7 +95,7 @@ hold_writers(struct task_queue *q, const struct rad_error *err)
 static void
 break_down(struct task_queue *q, const struct rad_error *err)
 {
-    if (!q->ops->broken || q->is_broken || q->order == TASK_END)
+    if (!q->ops->broken || q->is_broken)
         return;
     q->is_broken = true;
     q->why = *err;
@@ -106,6 +106,13 @@ is_the_disk(int code)
 {
     return code == RAD_EIO || code == RAD_EPERM ||
            lack_of(code) != TASK_LACKS_NOTHING;
+}
+
+/* Does the task lack room that others may do without? */
+static bool
+is_alone(const struct task *t)
+{
+    return t->waits && t->code == RAD_EFULL;
 }
 
 static void
@@ -119,13 +126,13 @@ run_one(struct task_queue *q, struct task *t)
         t->code = t->run(t);
     }
     if (t->code < 0 && may_pass(q, t->code)) {
-        if (t->writes && !(t->waits && t->code == RAD_EFULL))
+        if (t->writes && !is_alone(t))
             hold_writers(q, &t->err);
         q->soon |= lack_of(t->code) == TASK_LACKS_MEANS;
         list_add(&q->held, t);
         return;
     }
-    if (t->writes && is_the_disk(t->code))
+    if (t->writes && is_the_disk(t->code) && !is_alone(t))
         break_down(q, &t->err);
     q->awaited |= t->code >= 0 && t->awaited;
     list_add(t->code >= 0 && t->lasts ? &q->unsettled : &q->finished, t);
@@ -235,7 +242,8 @@ tell(struct task_queue *q)
             t->told = true;
             t->waits(t);
         }
-    if (q->is_broken && !q->told_broken) {
+    if (q->is_broken && !q->told_broken &&
+        lack_of(q->why.code) == TASK_LACKS_NOTHING) {
         q->told_broken = true;
         q->ops->broken(q->arg, &q->why);
     }

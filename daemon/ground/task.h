@@ -27,7 +27,9 @@
  *
  * If a task that writes, or settling, fails for the disk in another way, the
  * queue is broken: no task that writes runs any more, unsettled and later ones
- * fail, and broken() is called once.
+ * fail, and broken() is called once.  A lack that has not passed when the queue
+ * ends breaks it, too, but without that call: later tasks may stand on the task
+ * that failed.
  * Thread: all calls on the loop's; run and settle on a pool thread. */
 #ifndef RADD_DAEMON_TASK_H
 #define RADD_DAEMON_TASK_H

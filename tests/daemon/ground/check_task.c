@@ -311,6 +311,22 @@ TEST(what_is_held_is_given_up_in_the_end)
     ck_assert_ptr_nonnull(strchr(f.log, '!'));
 }
 
+/* Nor does what follows run, though it lacks nothing: it may stand on that. */
+TEST(what_follows_what_is_given_up_in_the_end_is_given_up)
+{
+    f.short_of = 'a';
+    push('a', true);
+    while (!f.full)
+        turn();
+    push('b', true);
+    push('c', false);
+    task_queue_end(&f.q);
+    go();
+    ck_assert(!noted("Bb"));
+    ck_assert(noted("C"));
+    ck_assert(!f.broken); /* no failure of the disk */
+}
+
 LOOP_TEST(a_disk_that_fails_ends_it, 2)
 {
     if (_i)
