@@ -151,7 +151,7 @@ struct action_list {
     struct wire_out scratch; /* where messages are packed */
     char **texts;            /* owned texts, see actions_own() */
     size_t ntexts;
-    bool failed;             /* memory is out: the daemon must end */
+    bool failed; /* memory is out: the daemon ends instead */
 };
 
 void actions_init(struct action_list *l);

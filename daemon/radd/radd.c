@@ -341,15 +341,6 @@ chunk_done(void *arg)
 }
 
 static void
-store_broken(void *arg, int status, const char *text)
-{
-    struct radd *r = arg;
-
-    log_err("ending why=%s", text);
-    daemon_stop(&r->daemon, status);
-}
-
-static void
 files_known(void *arg, const struct action_look *l)
 {
     struct radd *r = arg;
@@ -359,7 +350,6 @@ files_known(void *arg, const struct action_look *l)
 }
 
 static const struct store_handler store_handler = { .looked = files_known,
-                                                    .broken = store_broken,
                                                     .file = file_done,
                                                     .progress = chunk_done };
 

@@ -10,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
-#include <sysexits.h>
 
 /* While the store's backlog is above STORE_HIGH bytes connections that add to
  * it are not read; they are read again when it is below STORE_LOW. */
@@ -310,21 +309,19 @@ shell_run(struct shell *s)
         return;
     s->running = true;
     for (;;) {
-        for (size_t i = 0; i < list->n; i++) {
+        for (size_t i = 0; i < list->n && !list->failed; i++) {
             const struct action a = list->v[i]; /* a copy: the list may grow */
 
             carry_out(s, &a);
         }
+        if (list->failed) /* an action is missing, and others stand on it */
+            log_out_of_memory();
         actions_clear(list);
         if (!s->gone)
             break;
         tell_gone(s);
     }
     s->running = false;
-    if (list->failed) {
-        log_err("out of memory");
-        daemon_stop(s->daemon, EX_OSERR);
-    }
 }
 
 void

@@ -13,7 +13,9 @@
  * durable store that call comes when the data are on the disk: writes that come
  * close together share one sync of each file and one commit.  While the disk is
  * full all tasks that write wait.  When the disk fails broken() is called, and
- * no other function of the handler after it.
+ * no other function of the handler after it.  A request for which there is no
+ * memory ends the daemon at once, before a later request is kept that stands on
+ * it: a unit's number follows that of the unit before.
  * Thread: all calls on the loop's. */
 #ifndef RADD_DAEMON_STORE_H
 #define RADD_DAEMON_STORE_H
@@ -42,8 +44,8 @@ struct store_handler {
     /* A piece of a file that is not complete yet is written, so store_backlog()
      * is smaller.  May be NULL. */
     void (*progress)(void *arg);
-    /* The store has stopped for good: memory is out, or the disk of a durable
-     * store failed.  Requests without an answer so far are lost. */
+    /* The store has stopped for good: the disk of a durable store failed.
+     * Requests without an answer so far are lost. */
     void (*broken)(void *arg, int status, const char *text);
     /* store_end_job() or store_drop_cache() is done.  bytes: size of the job's
      * folder; cache_bytes: of these, the job's ambient cache. */

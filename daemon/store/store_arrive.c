@@ -254,8 +254,6 @@ store_put_chunk(struct store *s, uint64_t conn, const struct msg_chunk *chunk)
     struct chunk_task *c =
         store_new_task(s, sizeof *c + chunk->len, chunk_run, chunk_done);
 
-    if (!c)
-        return;
     c->task.writes = true;
     c->conn = conn;
     c->offset = chunk->offset;
@@ -298,8 +296,6 @@ store_drop_conn(struct store *s, uint64_t conn)
     struct drop_task *d =
         store_new_task(s, sizeof *d, drop_run, store_free_task);
 
-    if (!d)
-        return;
     d->task.writes = true; /* so that it runs after the connection's chunks,
                             * which may be held */
     d->conn = conn;

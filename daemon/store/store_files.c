@@ -10,12 +10,12 @@
 
 #include "store/store_impl.h"
 
+#include "ground/memory.h"
 #include "net/log.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sysexits.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -94,14 +94,8 @@ new_look(struct store *s, const struct action_look *from)
     struct look_task *l =
         store_new_task(s, sizeof *l + bytes, look_run, look_done);
 
-    if (!l)
-        return NULL;
-    l->found = calloc(n + 1, sizeof *l->found);
-    if (!l->found) {
-        free(l);
-        s->handler->broken(s->arg, EX_OSERR, "out of memory");
-        return NULL;
-    }
+    l->found = memory_need(n + 1);
+    memset(l->found, 0, n + 1);
     l->look = *from;
     if (n > 0)
         memcpy(l->hash, from->files.hash, bytes);
@@ -116,8 +110,6 @@ store_look(struct store *s, const struct action_look *from)
     char path[BLOBS_PATH_MAX];
     bool known = !s->cache;
 
-    if (!l)
-        return false; /* out of memory: the daemon ends */
     for (uint32_t i = 0; i < from->nlook; i++) {
         const uint8_t *hash = l->hash + (size_t)i * MSG_HASH;
 
@@ -163,8 +155,6 @@ store_limit(struct store *s, uint64_t bytes, struct rad_error *err)
         return s->cache ? 0 : RAD_ENOMEM;
     }
     w = store_new_task(s, sizeof *w, limit_run, store_free_task);
-    if (!w)
-        return 0; /* out of memory: the daemon ends */
     w->limit = bytes;
     task_push(&s->queue, &w->task);
     return 0;
@@ -228,10 +218,6 @@ store_sweep(struct store *s, uint8_t *hashes, size_t n, long age_s)
 {
     struct sweep_task *w = store_new_task(s, sizeof *w, sweep_run, sweep_done);
 
-    if (!w) {
-        free(hashes);
-        return;
-    }
     w->hashes = hashes;
     w->n = n;
     w->age_s = age_s;

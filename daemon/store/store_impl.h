@@ -88,8 +88,8 @@ path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
 
 /* --- store_task.c --- */
 
-/* Make a task of this size, zeroed but for run, done and owner, the store.
- * NULL: memory is out, and the handler's broken() was called. */
+/* Make a task of this size, zeroed but for run, done and owner, the store.  If
+ * memory is out the daemon ends (store.h). */
 void *store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
                      void (*done)(struct task *t));
 static inline struct store *
@@ -133,7 +133,7 @@ struct job_task {
     uint64_t bytes, cache_bytes;
 };
 
-/* Make a task about the job; NULL: as of store_new_task(). */
+/* Make a task about the job. */
 struct job_task *store_new_job_task(struct store *s, const uint8_t *id,
                                     int (*run)(struct task *t),
                                     void (*done)(struct task *t));

@@ -20,6 +20,7 @@
 #include "store/store_impl.h"
 
 #include "jobs/job.h"
+#include "net/log.h"
 #include "proto/frame.h"
 #include "files/views.h"
 
@@ -27,7 +28,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sysexits.h>
 
 struct job_task *
 store_new_job_task(struct store *s, const uint8_t *id,
@@ -35,8 +35,6 @@ store_new_job_task(struct store *s, const uint8_t *id,
 {
     struct job_task *j = store_new_task(s, sizeof *j, run, done);
 
-    if (!j)
-        return NULL;
     memcpy(j->id, id, MSG_JOB);
     return j;
 }
@@ -80,17 +78,12 @@ new_saved_task(struct store *s, const struct saved_job *from,
     struct msg m = { .type = MSG_SUBMIT, .submit = from->spec };
     struct saved_task *o = store_new_task(s, sizeof *o, run, done);
 
-    if (!o)
-        return NULL;
     memcpy(o->id, from->spec.job, MSG_JOB);
     wire_out_init(&o->bytes, MSG_FRAME_MAX);
     if (msg_pack(&o->bytes, &m) != 0 ||
         msg_unpack(&o->msg, MSG_SUBMIT, 0, o->bytes.buf + MSG_HEADER,
-                   o->bytes.len - MSG_HEADER, NULL) != 0) {
-        free_saved(o);
-        s->handler->broken(s->arg, EX_OSERR, "out of memory");
-        return NULL;
-    }
+                   o->bytes.len - MSG_HEADER, NULL) != 0)
+        log_out_of_memory();
     o->saved = *from;
     o->saved.spec = o->msg.submit;
     o->saved.last.job = o->id;
@@ -209,8 +202,6 @@ store_open_job(struct store *s, const uint8_t job[MSG_JOB],
 
     named.spec.job = job;
     o = new_saved_task(s, &named, open_run, open_done);
-    if (!o)
-        return;
     while (*at)
         at = &(*at)->next;
     *at = o;
@@ -260,8 +251,6 @@ store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state,
     if (!s->journal || put_state_early(s, job, state, priority))
         return;
     j = store_new_job_task(s, job, state_run, store_free_task);
-    if (!j)
-        return;
     j->state = state;
     j->priority = priority;
     store_push_lasting(s, &j->task);
@@ -379,10 +368,8 @@ end_done(struct task *t)
     *at = o->next;
     if (!is_mute(s, t)) {
         j = store_new_job_task(s, o->id, rest_run, rest_done);
-        if (j) {
-            j->sequence = o->saved.sequence;
-            task_push(&s->queue, &j->task);
-        }
+        j->sequence = o->saved.sequence;
+        task_push(&s->queue, &j->task);
     }
     free_saved(o);
 }
@@ -457,8 +444,6 @@ store_drop_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
 {
     struct job_task *j = store_new_job_task(s, job, drop_cache_run, rest_done);
 
-    if (!j)
-        return;
     j->sequence = sequence;
     task_push(&s->queue, &j->task);
 }
@@ -570,8 +555,6 @@ store_forget_job(struct store *s, const struct saved_gone *gone)
     struct forget_task *f =
         store_new_task(s, sizeof *f, forget_run, forget_done);
 
-    if (!f)
-        return;
     f->gone = *gone;
     f->next = s->forgetting;
     s->forgetting = f;

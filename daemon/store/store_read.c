@@ -207,8 +207,6 @@ store_read(struct store *s, struct store_reading *reading, void *buf,
 {
     struct read_task *r = store_new_task(s, sizeof *r, read_run, read_done);
 
-    if (!r)
-        return;
     r->reading = reading;
     r->buf = buf;
     r->cap = cap;

@@ -233,18 +233,12 @@ commit(struct recovery *r, struct rad_error *err)
 }
 
 /* From now on the journal is the pool thread's. */
-static int
-note_life(struct recovery *r, struct rad_error *err)
+static void
+note_life(struct recovery *r)
 {
-    struct task *t;
-
-    if (!r->full)
-        return 0;
-    t = store_new_task(r->s, sizeof *t, life_run, store_free_task);
-    if (!t)
-        return rad_fail_memory(err);
-    store_push_lasting(r->s, t);
-    return 0;
+    if (r->full)
+        store_push_lasting(r->s, store_new_task(r->s, sizeof(struct task),
+                                                life_run, store_free_task));
 }
 
 int
@@ -267,9 +261,10 @@ store_recover(struct store *s, uint64_t now_ms, store_job_fn *fn, void *arg,
         rc = commit(&r, &why);
     if (rc == 0)
         rc = folder_each(&s->folder, tidy, &r, &why);
-    if (rc == 0)
-        rc = note_life(&r, &why);
-    return rc == 0 ? 0 : store_refuse(s, &why, err);
+    if (rc < 0)
+        return store_refuse(s, &why, err);
+    note_life(&r);
+    return 0;
 }
 
 int

@@ -8,10 +8,11 @@
 
 #include "store/store_impl.h"
 
+#include "ground/memory.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sysexits.h>
 
 /* Bytes that each piece of rows and each picture adds to the backlog, beside
  * the rows' own: with small frames the disk is busy with files rather than with
@@ -124,8 +125,6 @@ store_put_colours(struct store *s, const uint8_t job[MSG_JOB],
     struct colours_task *p =
         store_new_task(s, sizeof *p + n, colours_run, store_free_task);
 
-    if (!p)
-        return;
     memcpy(p->id, job, MSG_JOB);
     p->colours = *colours;
     p->colours.rgbe = p->rgbe;
@@ -170,8 +169,6 @@ store_load_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
 {
     struct cache_task *k = store_new_task(s, sizeof *k, cache_run, cache_done);
 
-    if (!k)
-        return;
     memcpy(k->id, job, MSG_JOB);
     k->sequence = sequence;
     task_push(&s->queue, &k->task);
@@ -199,8 +196,6 @@ store_set_options(struct store *s, const uint8_t job[MSG_JOB],
     struct options_task *o =
         store_new_task(s, sizeof *o + n, options_run, store_free_task);
 
-    if (!o)
-        return;
     memcpy(o->id, job, MSG_JOB);
     memcpy(o->options, options, n);
     task_push(&s->queue, &o->task);
@@ -268,23 +263,20 @@ rows_done(struct task *t)
 }
 
 /* Copy the base line that comes with the rows, if there is a journal: only
- * another life of the coordinator reads the line.  False: memory is out. */
-static bool
+ * another life of the coordinator reads the line. */
+static void
 copy_line(struct rows_task *r, const uint8_t *line)
 {
     size_t n = 3 * (size_t)r->key.width;
 
     if (!line || !store_of(&r->task)->journal)
-        return true;
-    r->pixels.line = malloc(n * sizeof *r->pixels.line);
-    if (r->pixels.line)
-        wire_floats_get(r->pixels.line, line, n);
-    return r->pixels.line;
+        return;
+    r->pixels.line = memory_need(n * sizeof *r->pixels.line);
+    wire_floats_get(r->pixels.line, line, n);
 }
 
-/* Copy the pixels, densities and base line, which belong to the action; false:
- * memory is out. */
-static bool
+/* Copy the pixels, densities and base line, which belong to the action. */
+static void
 copy_rows(struct rows_task *r, const struct action_rows *rows)
 {
     size_t n = (size_t)rows->rows * rows->width * rows->channels;
@@ -297,17 +289,15 @@ copy_rows(struct rows_task *r, const struct action_rows *rows)
     if (rows->counts)
         r->counts = *rows->counts;
     r->pixels.n = rows->channels == 1 ? rows->len : n * sizeof(float);
-    r->pixels.bytes = malloc(r->pixels.n + 1);
-    r->bottom = malloc(rows->nbottom + 1);
-    if (!r->pixels.bytes || !r->bottom || !copy_line(r, rows->line))
-        return false;
+    r->pixels.bytes = memory_need(r->pixels.n + 1);
+    r->bottom = memory_need(rows->nbottom + 1);
+    copy_line(r, rows->line);
     if (rows->channels == 1)
         memcpy(r->pixels.bytes, rows->pixels, r->pixels.n);
     else
         wire_floats_get(r->pixels.bytes, rows->pixels, n);
     if (rows->nbottom > 0)
         memcpy(r->bottom, rows->bottom, rows->nbottom);
-    return true;
 }
 
 void
@@ -315,13 +305,7 @@ store_put_rows(struct store *s, const struct action_rows *rows)
 {
     struct rows_task *r = store_new_task(s, sizeof *r, rows_run, rows_done);
 
-    if (!r)
-        return;
-    if (!copy_rows(r, rows)) {
-        free_rows(r);
-        s->handler->broken(s->arg, EX_OSERR, "out of memory");
-        return;
-    }
+    copy_rows(r, rows);
     s->backlog += r->pixels.n + ROWS_WEIGHT;
     r->task.awaited = rows->awaited;
     store_push_lasting(s, &r->task);
@@ -361,10 +345,8 @@ picture_done(struct task *t)
     s->backlog -= PICTURE_WEIGHT;
     if (t->code == 0) {
         gone = store_new_job_task(s, p->id, rows_gone_run, store_free_task);
-        if (gone) {
-            gone->frame = p->frame;
-            task_push(&s->queue, &gone->task);
-        }
+        gone->frame = p->frame;
+        task_push(&s->queue, &gone->task);
     }
     if (!is_mute(s, t))
         s->handler->picture(s->arg, p->id, p->sequence, p->frame, status_of(t),
@@ -378,8 +360,6 @@ store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
 {
     struct job_task *p = store_new_job_task(s, job, picture_run, picture_done);
 
-    if (!p)
-        return;
     p->sequence = sequence;
     p->frame = frame;
     s->backlog += PICTURE_WEIGHT;

@@ -8,11 +8,11 @@
 
 #include "store/store_impl.h"
 
+#include "net/log.h"
 #include "proto/frame.h"
 #include "files/views.h"
 
 #include <stdlib.h>
-#include <sysexits.h>
 
 struct submit_task {
     struct task task;
@@ -73,17 +73,12 @@ store_read_submit(struct store *s, uint64_t conn, const struct msg *m)
     if (is_reading(s, conn))
         return false;
     o = store_new_task(s, sizeof *o, submit_run, submit_done);
-    if (!o)
-        return true; /* the handler's broken() was called */
     o->conn = conn;
     wire_out_init(&o->bytes, MSG_FRAME_MAX);
     if (msg_pack(&o->bytes, m) != 0 ||
         msg_unpack(&o->msg, MSG_SUBMIT, m->request, o->bytes.buf + MSG_HEADER,
-                   o->bytes.len - MSG_HEADER, NULL) != 0) {
-        free_submit(o);
-        s->handler->broken(s->arg, EX_OSERR, "out of memory");
-        return true;
-    }
+                   o->bytes.len - MSG_HEADER, NULL) != 0)
+        log_out_of_memory();
     o->next = s->submitting;
     s->submitting = o;
     task_push(&s->queue, &o->task);

@@ -3,22 +3,21 @@
 
 #include "store/store_impl.h"
 
+#include "ground/memory.h"
+
 #include <stdlib.h>
-#include <sysexits.h>
+#include <string.h>
 
 void *
 store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
                void (*done)(struct task *t))
 {
-    struct task *t = calloc(1, size);
+    struct task *t = memory_need(size);
 
-    if (t) {
-        t->run = run;
-        t->done = done;
-        t->owner = s;
-    } else {
-        s->handler->broken(s->arg, EX_OSERR, "out of memory");
-    }
+    memset(t, 0, size);
+    t->run = run;
+    t->done = done;
+    t->owner = s;
     return t;
 }
 
@@ -65,8 +64,6 @@ store_settle(struct store *s, uint64_t conn, uint32_t request)
     struct settle_task *w =
         store_new_task(s, sizeof *w, nothing_run, settle_done);
 
-    if (!w)
-        return;
     w->conn = conn;
     w->request = request;
     w->task.awaited = true;

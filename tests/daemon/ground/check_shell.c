@@ -5,6 +5,10 @@
 #include "shell/shell.h"
 #include "tests/unit.h"
 
+#include <sys/wait.h>
+#include <sysexits.h>
+#include <unistd.h>
+
 enum { MORE = 200 };
 
 static struct action_list list;
@@ -37,6 +41,36 @@ TEST(an_action_stays_while_it_brings_about_others)
     ck_assert_uint_eq(list.n, 0);
     shell_close(&s);
     actions_release(&list);
+}
+
+static void
+on_any_action(void *arg, const struct action *a)
+{
+    (void)arg;
+    (void)a;
+    _exit(EX_SOFTWARE);
+}
+
+/* What follows an action that is missing may stand on it. */
+TEST(actions_of_which_one_found_no_memory_are_not_carried_out)
+{
+    static const struct shell_ops ops = { .action = on_any_action };
+    struct shell s;
+    int status;
+    pid_t pid = fork();
+
+    if (pid == 0) {
+        actions_init(&list);
+        shell_init(&s, NULL, &ops, NULL);
+        s.actions = &list;
+        actions_add(&list, ACT_KEY, 1);
+        list.failed = true;
+        shell_run(&s);
+        _exit(EX_OK);
+    }
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert(WIFEXITED(status));
+    ck_assert_int_eq(WEXITSTATUS(status), EX_OSERR);
 }
 
 TEST(a_child_gets_no_more_of_an_environment_than_it_needs)

@@ -5,11 +5,9 @@
 #include "shell/transfer.h"
 
 #include "net/log.h"
-#include "tests/scarce.h"
 #include "tests/scratch.h"
 
 #include <string.h>
-#include <sysexits.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -29,7 +27,6 @@ static struct {
     struct frame_reader reader;
     int first[MISSING + 1], last[MISSING + 1]; /* pieces that came, by file */
     int empty[MISSING + 1];
-    int broken; /* how often the store said that it has no memory */
 } f;
 
 static void
@@ -60,15 +57,7 @@ on_written(void *arg, struct conn *c, size_t n)
 static const struct conn_handler conn_handler = { .message = on_message,
                                                   .closed = on_closed,
                                                   .written = on_written };
-static void
-on_broken(void *arg, int status, const char *text)
-{
-    (void)arg;
-    (void)text;
-    f.broken += status == EX_OSERR;
-}
-
-static const struct store_handler store_handler = { .broken = on_broken };
+static const struct store_handler store_handler = { 0 };
 
 /* Make an empty file; returns its path. */
 static const char *
@@ -305,13 +294,4 @@ LOOP_TEST(a_file_that_shrinks_meanwhile_is_empty_at_last, 4)
     start(0);
     settle(true);
     ck_assert_int_eq(f.last[0], 1);
-}
-
-/* The store is out of memory for the request, and the coordinator ends. */
-TEST(a_transfer_that_is_not_read_for_goes_with_the_others)
-{
-    scarce_at = 3; /* after the transfer and the room for a piece */
-    start(0);
-    scarce_at = 0;
-    ck_assert_int_eq(f.broken, !RAD_SANITIZED);
 }

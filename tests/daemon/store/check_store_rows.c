@@ -6,8 +6,12 @@
 
 #include "jobs/job.h"
 #include "journal/journal_impl.h"
+#include "tests/scarce.h"
 
 #include <stdio.h>
+#include <sys/wait.h>
+#include <sysexits.h>
+#include <unistd.h>
 
 FIXTURE(scratch_make, scratch_remove)
 
@@ -303,5 +307,35 @@ TEST(a_units_base_line_outlives_the_store)
     }
     ck_assert(store_read_row(s, kept_job, 0, 1, line));
     ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
+    close_kept(&loop, s);
+}
+
+/* A life that noted unit 1 without unit 0 would leave a folder that the next
+ * one refuses. */
+TEST(a_unit_that_cannot_be_noted_ends_the_life)
+{
+    uint32_t stored[2];
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+    int status;
+    pid_t pid;
+
+    if (RAD_SANITIZED)
+        return;
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
+    open_job_as(s, 0);
+    while (!store_idle(s))
+        uv_run(&loop, UV_RUN_ONCE);
+    pid = fork();
+    if (pid == 0) {
+        scarce_at = 1;
+        keep_units(s);
+        _exit(EX_OK);
+    }
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert(WIFEXITED(status));
+    ck_assert_int_eq(WEXITSTATUS(status), EX_OSERR);
     close_kept(&loop, s);
 }
