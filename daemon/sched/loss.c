@@ -31,13 +31,19 @@
  */
 #define MOST_LOSSES 2
 
-/* Is there a worker other than w that takes units? */
+/* Is there a worker other than w that takes units, and may have some of this
+ * job? */
 static bool
-others_than(const struct coord *c, const struct coord_worker *w)
+others_than(const struct coord *c, const struct job *job,
+            const struct coord_worker *w)
 {
-    for (const struct coord_worker *o = c->workers; o; o = o->next)
-        if (o != w && desk_takes_units(o))
+    for (const struct coord_worker *o = c->workers; o; o = o->next) {
+        uint32_t i = desk_index(job, o);
+
+        if (o != w && desk_takes_units(o) &&
+            (i == JOB_NOBODY || job->parts[i].state != PART_EXCLUDED))
             return true;
+    }
     return false;
 }
 
@@ -328,14 +334,16 @@ crashed_loading(struct coord *c, struct job *job, struct job_part *part,
 {
     uint32_t workers = 0;
     char text[MSG_MAX_TEXT + 1];
+    bool again; /* the scene is not to blame yet */
 
     part->load_crashes++;
     for (uint32_t i = 0; i < job->nparts; i++)
         workers += job->parts[i].load_crashes > 0;
-    if (workers < 2 && part->load_crashes < JOB_MAX_CRASHES)
+    /* two small machines say nothing of a third */
+    again = workers < 2 || m->status != EX_SOFTWARE;
+    if (again && part->load_crashes < JOB_MAX_CRASHES)
         return true;
-    /* the scene is not to blame while another worker can load it, or may */
-    if (ready_worker(job) || (workers < 2 && others_than(c, part->worker))) {
+    if (ready_worker(job) || (again && others_than(c, job, part->worker))) {
         *to = PART_EXCLUDED;
         return true;
     }

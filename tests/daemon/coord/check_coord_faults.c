@@ -116,6 +116,37 @@ LOOP_TEST(a_scene_that_no_worker_can_load_fails_as_it_did_there, 3)
         "no worker can load the scene; the last, ws1: came spoilt");
 }
 
+enum { THIRD = STRANGER };
+
+/* What two of three lack the third may have, which is slow to load; if it has
+ * not, the job fails. */
+LOOP_TEST(a_scene_too_large_for_two_workers_is_left_to_a_third, 2)
+{
+    struct msg m = { .type = MSG_LOST,
+                     .lost = { job_a, EX_OSERR, "out of memory", 0, NULL } };
+
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    join(THIRD, MSG_ROLE_WORKER, "ws3", "daemon");
+    submit(ANA, job_a, 0);
+    for (int times = 0; times < JOB_MAX_CRASHES; times++) {
+        say(WORKER, &m);
+        say(SECOND, &m);
+    }
+    ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
+    if (_i) {
+        for (int times = 0; times < JOB_MAX_CRASHES; times++)
+            say(THIRD, &m);
+        ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
+        ck_assert_int_eq(f.last[ANA].failed.status, EX_OSERR);
+        return;
+    }
+    ready(THIRD, job_a);
+    for (uint32_t u = 0; u < 4; u++)
+        for (uint32_t attempt = 1; attempt < 9; attempt++)
+            result(THIRD, job_a, u, attempt);
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+}
+
 /* The worker loses its child, and takes the job up again. */
 static void
 set_back(uint64_t conn)
