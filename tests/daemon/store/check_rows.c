@@ -315,7 +315,8 @@ LOOP_TEST(coded_rows_make_the_picture_of_the_others, N_ELEM(codings))
 
 RANGE_TEST(coded_rows_that_are_none_are_refused, ROWS_CODED, ROWS_RGBE + 1)
 {
-    uint8_t code[2 * RAD_HDR_ROW_BYTES(W)];
+    uint8_t code[2 * RAD_HDR_ROW_BYTES(W)], work[ROWS_WORK_BYTES(W)];
+    uint8_t rgbe[4 * W], black[4 * W] = { 0 };
     size_t n = code_rows(0, 0, W, 1, code);
     char path[160];
     struct rows r;
@@ -331,6 +332,8 @@ RANGE_TEST(coded_rows_that_are_none_are_refused, ROWS_CODED, ROWS_RGBE + 1)
     ck_assert_int_eq(write_code(&r, 0, -1, W, 1, code, n, NULL), RAD_EPROTO);
     ck_assert_int_eq(write_code(&r, 1, 0, W, 1, code, n, NULL), RAD_EPROTO);
     ck_assert_int_eq(write_code(&r, 0, 0, W, 2, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(rows_read_rgbe(&r, 0, rgbe, work, NULL), 0);
+    ck_assert_mem_eq(rgbe, black, sizeof rgbe); /* nor a part of those */
     ck_assert_int_eq(write_code(&r, 0, 0, W, 1, code, n + 1, NULL), RAD_EPROTO);
     ck_assert_int_eq(write_code(&r, 0, 0, W, 1, code, n - 1, NULL), RAD_EPROTO);
     ck_assert_int_eq(write_code(&r, 0, 0, W - 1, 1, code, n, NULL), RAD_EPROTO);

@@ -9,11 +9,51 @@
 #include "tests/scarce.h"
 
 #include <stdio.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <sysexits.h>
 #include <unistd.h>
 
 FIXTURE(scratch_make, scratch_remove)
+
+/* The files and folders that were synced, by their numbers. */
+static struct {
+    ino_t number[64];
+    int n;
+} synced;
+
+/* In place of the C library's. */
+int
+fsync(int fd)
+{
+    struct stat st;
+
+    if (fstat(fd, &st) == 0 && synced.n < N_ELEM(synced.number))
+        synced.number[synced.n++] = st.st_ino;
+    return (int)syscall(SYS_fsync, fd);
+}
+
+int
+fdatasync(int fd)
+{
+    return fsync(fd);
+}
+
+/* Was this file or folder of the state folder synced? */
+static void
+check_synced(const char *name)
+{
+    char path[200];
+    struct stat st;
+    int i = 0;
+
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    ck_assert_int_eq(stat(path, &st), 0);
+    while (i < synced.n && synced.number[i] != st.st_ino)
+        i++;
+    ck_assert_msg(i < synced.n, "%s is not synced", name);
+}
 
 static uint8_t
 line_byte(int i)
@@ -190,7 +230,9 @@ LOOP_TEST(a_job_that_was_given_up_stays_so, 2)
     else
         keep_units(s);
     run(&loop, s);
+    synced.n = 0;
     folder_give_up(&s->folder, kept_job);
+    check_synced(KEPT_DIR); /* "over" lasts before the rows go */
     ck_assert(!is_there(KEPT_DIR "/0.rows"));
     ck_assert(!is_there(KEPT_DIR "/room"));
     close_kept(&loop, s);
@@ -307,6 +349,46 @@ TEST(a_units_base_line_outlives_the_store)
     }
     ck_assert(store_read_row(s, kept_job, 0, 1, line));
     ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
+    close_kept(&loop, s);
+}
+
+/* What a user or worker is told of a job is on the disk, with the names that
+ * lead there. */
+TEST(what_is_acknowledged_is_synced)
+{
+    uint32_t stored[2];
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
+    synced.n = 0;
+    open_job_as(s, MSG_JOB_CODED);
+    run(&loop, s);
+    check_synced(KEPT_DIR "/room");
+    check_synced(KEPT_DIR);
+    check_synced("jobs");
+    check_synced("radcoord.db-wal");
+    synced.n = 0;
+    put_pieces(s, true, 1);
+    run(&loop, s);
+    ck_assert_int_eq(h.rows, PIECES);
+    check_synced(KEPT_DIR "/0.rows");
+    check_synced(KEPT_DIR);
+    check_synced("radcoord.db-wal");
+    ck_assert(!is_there(KEPT_DIR "/room")); /* the rows have it */
+    synced.n = 0;
+    store_write_picture(s, kept_job, 5, 0);
+    run(&loop, s);
+    check_synced(KEPT_DIR "/0.hdr");
+    check_synced(KEPT_DIR);
+    synced.n = 0;
+    end_job(s);
+    run(&loop, s);
+    check_synced(KEPT_DIR "/stats");
+    check_synced(KEPT_DIR);
+    check_synced("radcoord.db-wal");
     close_kept(&loop, s);
 }
 
