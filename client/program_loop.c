@@ -34,7 +34,7 @@ int
 program_loop_init(struct program_loop *l, struct rad_error *err)
 {
     static const int which[] = { SIGINT, SIGTERM, SIGHUP };
-    int rc = link_loop_init(&l->uv, true, err);
+    int rc = link_loop_init(&l->uv, &l->first_work, err);
 
     if (rc < 0)
         return rc;

@@ -13,6 +13,7 @@
 
 struct program_loop {
     uv_loop_t uv;
+    uv_work_t first_work; /* see link_loop_init() */
     uv_signal_t signals[3];
     bool watched;   /* uv and signals are in use */
     int interrupts; /* so far; 2 end the program at once */

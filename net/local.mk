@@ -27,8 +27,6 @@ libnet_a_SOURCES = \
 	net/log.h \
 	net/lookup.c \
 	net/lookup.h \
-	net/threads.c \
-	net/threads.h \
 	net/tls.c \
 	net/tls.h
 include net/key/local.mk

@@ -409,7 +409,7 @@ run(struct ctl *c)
     named = rc > 0;
     if (!named)
         target_default(&c->to);
-    if ((rc = link_loop_init(&c->loop, false, c->err)) < 0)
+    if ((rc = link_loop_init(&c->loop, NULL, c->err)) < 0)
         return rc;
     sigaction(SIGPIPE, &broken, NULL);
     c->start_ms = uv_now(&c->loop);

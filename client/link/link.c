@@ -11,8 +11,8 @@
 #include "net/conn.h"
 #include "net/dial.h"
 #include "net/key/keyfile.h"
-#include "net/threads.h"
 #include "ground/memory.h"
+#include "ground/threads.h"
 
 #include <fcntl.h>
 #include <limits.h>
@@ -337,7 +337,7 @@ can_open(int n)
 }
 
 int
-link_loop_init(uv_loop_t *loop, bool works, struct rad_error *err)
+link_loop_init(uv_loop_t *loop, uv_work_t *first, struct rad_error *err)
 {
     int rc;
 
@@ -345,9 +345,12 @@ link_loop_init(uv_loop_t *loop, bool works, struct rad_error *err)
     if (!can_open(LOOP_DESCRIPTORS))
         return rad_fail(err, RAD_ENOMEM,
                         "too few descriptors for an event loop: see ulimit -n");
-    if (works && (rc = threads_try(err)) < 0)
-        return rc;
-    return uv_loop_init(loop) != 0 ? rad_fail_memory(err) : 0;
+    if (uv_loop_init(loop) != 0)
+        return rad_fail_memory(err);
+    rc = first ? threads_start(loop, first, err) : 0;
+    if (rc < 0)
+        uv_loop_close(loop);
+    return rc;
 }
 
 /* Time left for opening the link [ms]. */

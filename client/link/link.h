@@ -28,11 +28,11 @@ struct link_where {
 };
 
 /* As uv_loop_init(), which aborts the program where it finds no descriptor for
- * what libuv makes but once; nor, if `works` says that work will be queued,
- * threads.  Without memory libuv ends the program from now on (memory.h).
- * RAD_ENOMEM: memory or descriptors are short; RAD_ESHORT: threads.
- */
-int link_loop_init(uv_loop_t *loop, bool works, struct rad_error *err);
+ * what libuv makes but once; nor threads, if work will be queued: then *first
+ * is the loop's until that has run it, else NULL.  Without memory libuv ends
+ * the program from now on (memory.h).  RAD_ENOMEM: memory or descriptors are
+ * short; RAD_ESHORT: threads. */
+int link_loop_init(uv_loop_t *loop, uv_work_t *first, struct rad_error *err);
 
 /* The role with most rights that this client can have: administrator on a Unix
  * socket; else administrator, user or observer, by the keys in its file. */

@@ -43,7 +43,8 @@ struct local {
     pid_t keeper;
     pid_t coordinator;
     pid_t *workers; /* nworkers pids; 0: has ended */
-    bool scarce;    /* a daemon has ended for want of memory */
+    int lack; /* RAD_ENOMEM, RAD_ESHORT: for want of memory, or of threads, a
+               * daemon has ended */
     int nworkers;
 };
 
@@ -212,7 +213,10 @@ ended(struct local *l, pid_t *pid)
     int how;
 
     if (*pid > 0 && waitpid(*pid, &how, WNOHANG) == *pid) {
-        l->scarce |= WIFEXITED(how) && WEXITSTATUS(how) == EX_OSERR;
+        if (WIFEXITED(how) && WEXITSTATUS(how) == EX_OSERR)
+            l->lack = RAD_ENOMEM;
+        else if (WIFEXITED(how) && WEXITSTATUS(how) == EX_TEMPFAIL)
+            l->lack = RAD_ESHORT;
         *pid = 0;
     }
     return *pid == 0;
@@ -250,7 +254,7 @@ look_for_ready(struct local *l, const struct link_where *where,
             if (said_ready(l))
                 return 0;
         } else if (ended(l, &l->coordinator)) {
-            return rad_fail(err, l->scarce ? RAD_ENOMEM : RAD_EUNAVAIL,
+            return rad_fail(err, l->lack ? l->lack : RAD_EUNAVAIL,
                             "radcoord ended before it was ready");
         }
     }
@@ -470,9 +474,11 @@ local_alive(struct local *l, struct rad_error *err)
 {
     if (local_coordinated(l) && local_workers(l) > 0)
         return 0;
-    return rad_fail(err, l->scarce ? RAD_ENOMEM : RAD_EINTERNAL,
+    return rad_fail(err, l->lack ? l->lack : RAD_EINTERNAL,
                     "the cluster on this machine has ended%s",
-                    l->scarce ? ": out of memory" : "");
+                    l->lack == RAD_ENOMEM ? ": out of memory"
+                    : l->lack             ? ": too few threads"
+                                          : "");
 }
 
 void

@@ -7,7 +7,7 @@
 
 #include "base/output.h"
 #include "net/log.h"
-#include "net/threads.h"
+#include "ground/threads.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -170,23 +170,6 @@ fail(const struct daemon *d, const struct rad_error *err)
     return rad_exit_status(err->code);
 }
 
-static void
-do_nothing(uv_work_t *work)
-{
-    (void)work;
-}
-
-/* Start the threads of libuv's pool, before peers rely on us. */
-static int
-start_threads(struct daemon *d, struct rad_error *err)
-{
-    int rc = threads_try(err);
-
-    if (rc == 0)
-        uv_queue_work(&d->loop, &d->first_work, do_nothing, NULL);
-    return rc;
-}
-
 int
 daemon_check_text(const char *name, const char *value, struct rad_error *err)
 {
@@ -233,7 +216,7 @@ daemon_run(struct daemon *d, int argc, char *argv[])
         rad_fail(&err, RAD_ESHORT, "cannot start: %s", uv_strerror(rc));
         return fail(d, &err);
     }
-    if (start_threads(d, &err) < 0)
+    if (threads_start(&d->loop, &d->first_work, &err) < 0)
         return fail(d, &err);
     d->watchdog_ms = service_watchdog_ms();
     if (start(d, &err) == 0) {

@@ -77,7 +77,7 @@ struct daemon {
     int argc;
     char **argv;
     uv_loop_t loop;
-    uv_work_t first_work; /* starts the threads of libuv's pool */
+    uv_work_t first_work; /* see threads.h */
     uv_timer_t ticker;
     uv_signal_t sigterm, sigint, sighup;
     struct service_lifetime lifetime;

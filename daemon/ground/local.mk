@@ -19,5 +19,7 @@ libdaemon_a_SOURCES += \
 	daemon/ground/syncs.h \
 	daemon/ground/task.c \
 	daemon/ground/task.h \
+	daemon/ground/threads.c \
+	daemon/ground/threads.h \
 	daemon/ground/turns.c \
 	daemon/ground/turns.h

@@ -31,6 +31,20 @@ is_sanitized || for program in "$radcoord --state=$work/none" \
         $as prlimit --nproc=2 $program
 done
 
+# nor where there is room for the threads, and for little else; a cluster that
+# lacks them has no bug of ours
+for n in 5 6 8 10 12 13 14 15; do
+    for where in --local "--coordinator=$work/none.sock"; do
+        is_sanitized ||
+            $as prlimit --nproc=$n "$radsubmit" "$where" --wait=1 \
+                --workers=1 --threads=2 -vf "$scenes/room.vf" -x 16 -y 12 -ab 0 \
+                -o none/none.hdr "$scenes/room.rad" >out 2>&1
+        case $? in
+        70 | 1[3-9]?) fail "$where with $n processes: $(cat out)" ;;
+        esac
+    done
+done
+
 coord_start
 if [ -n "$as" ]; then
     mkdir w1

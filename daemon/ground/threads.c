@@ -1,9 +1,7 @@
 /* threads.c - see threads.h */
 #include "config.h"
 
-#include "net/threads.h"
-
-#include <uv.h>
+#include "ground/threads.h"
 
 enum { POOL_THREADS = 4 }; /* libuv's, where UV_THREADPOOL_SIZE is not set */
 
@@ -13,8 +11,8 @@ wait_for_end(void *end)
     uv_sem_wait(end);
 }
 
-int
-threads_try(struct rad_error *err)
+static int
+try_threads(struct rad_error *err)
 {
     uv_thread_t threads[POOL_THREADS];
     uv_sem_t end;
@@ -33,4 +31,20 @@ threads_try(struct rad_error *err)
     return rc == 0 ? 0
                    : rad_fail(err, RAD_ESHORT, "cannot start a thread: %s",
                               uv_strerror(rc));
+}
+
+static void
+do_nothing(uv_work_t *work)
+{
+    (void)work;
+}
+
+int
+threads_start(uv_loop_t *loop, uv_work_t *first, struct rad_error *err)
+{
+    int rc = try_threads(err);
+
+    if (rc == 0)
+        uv_queue_work(loop, first, do_nothing, NULL);
+    return rc;
 }
