@@ -300,6 +300,22 @@ TEST(what_cannot_be_settled_for_room_runs_again)
     ck_assert(!f.full && !f.broken);
 }
 
+TEST(what_cannot_be_settled_runs_again_before_what_is_held)
+{
+    f.short_of = 'b';
+    f.settle_code = RAD_EFULL;
+    push('z', false); /* meanwhile the others come together */
+    push('a', true);
+    push('b', true);
+    while (!f.full)
+        turn();
+    f.short_of = '\0';
+    f.settle_code = 0;
+    memset(f.log, 0, sizeof f.log);
+    go();
+    ck_assert_str_eq(f.log, "ab|AB");
+}
+
 TEST(what_is_held_is_given_up_in_the_end)
 {
     f.run_code = RAD_EFULL;

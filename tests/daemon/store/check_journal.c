@@ -121,6 +121,44 @@ LOOP_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault,
     journal_close(j);
 }
 
+TEST(rows_of_a_unit_that_was_not_noted_are_not)
+{
+    struct saved_job job = { .spec = kept_spec, .owner = "ana" };
+    struct saved_unit unit = { .stored = 1, .worker = "" };
+    char path[160];
+    struct journal *j;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
+    ck_assert_int_eq(journal_put_rows(j, kept_job, &unit, NULL), RAD_EDATA);
+    ck_assert_int_eq(journal_put_unit(j, kept_job, &unit, NULL), 0);
+    ck_assert_int_eq(journal_put_rows(j, kept_job, &unit, NULL), 0);
+    journal_close(j);
+}
+
+/* Its life ends before there is room. */
+TEST(rows_stay_until_their_picture_is_written)
+{
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    open_job(s);
+    put_unit(s, kept_job, 0, H, 3);
+    run(&loop, s);
+    write_fault = ENOSPC;
+    store_write_picture(s, kept_job, 5, 0);
+    while (!h.full)
+        uv_run(&loop, UV_RUN_ONCE);
+    store_end(s);
+    run(&loop, s);
+    write_fault = 0;
+    ck_assert(is_there(KEPT_DIR "/0.rows"));
+    close_kept(&loop, s);
+}
+
 /* The log is carried over into the database, for which there is no memory; what
  * is in the log lasts. */
 TEST(a_database_that_cannot_be_looked_at_is_not_replaced)

@@ -1,5 +1,5 @@
-/* check_store_rows.c - rows and base lines that a store finds of the one before
- * it */
+/* check_store_rows.c - what a store finds of the one before it: rows, base lines,
+ * passes; and that it was synced before anybody heard of it */
 #include "config.h"
 
 #include "lives_fixture.h"
@@ -357,12 +357,19 @@ TEST(a_units_base_line_outlives_the_store)
 TEST(what_is_acknowledged_is_synced)
 {
     uint32_t stored[2];
+    char file[sizeof "files/" + RAD_SHA_HEX] = "files/";
     struct heard h;
     uv_loop_t loop;
     struct store *s;
 
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
+    synced.n = 0;
+    put_file(s, "room", "room");
+    run(&loop, s);
+    hash_of("room", 4, file + strlen(file));
+    check_synced(file);
+    check_synced("files");
     synced.n = 0;
     open_job_as(s, MSG_JOB_CODED);
     run(&loop, s);
@@ -389,6 +396,98 @@ TEST(what_is_acknowledged_is_synced)
     check_synced(KEPT_DIR "/stats");
     check_synced(KEPT_DIR);
     check_synced("radcoord.db-wal");
+    close_kept(&loop, s);
+}
+
+/* Rows are made by what such a pass decides. */
+TEST(a_firm_pass_is_synced_and_follows_the_one_before)
+{
+    struct saved_pass pass[MSG_MOST_PASSES],
+        first = { (const uint8_t *)"one", 3, { 0 }, true };
+    struct saved_pass later = { (const uint8_t *)"two", 3, { 0 }, false };
+    uint32_t stored[2], n;
+    struct heard h;
+    uint8_t *bytes;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
+    open_job(s);
+    run(&loop, s);
+    synced.n = 0;
+    store_put_pass(s, kept_job, 1, &later); /* the first is missing */
+    store_put_pass(s, kept_job, 0, &first);
+    run(&loop, s);
+    check_synced(KEPT_DIR "/cache");
+    check_synced(KEPT_DIR);
+    synced.n = 0;
+    ck_assert_int_eq(
+        folder_read_passes(&s->folder, kept_job, pass, &n, &bytes, NULL), 0);
+    check_synced(KEPT_DIR "/cache"); /* a killed life may have left it */
+    ck_assert_uint_eq(n, 1);
+    ck_assert_mem_eq(pass[0].bytes, "one", 3);
+    free(bytes);
+    close_kept(&loop, s);
+}
+
+TEST(names_in_two_folders_are_synced_in_both)
+{
+    static const char *const name[] = { "one/a", "one/b", "two/a" };
+    struct syncs all = { 0 };
+    char path[200];
+    FILE *f;
+
+    for (int i = 0; i < N_ELEM(name); i++) {
+        snprintf(path, sizeof path, "%s/%.*s", dir,
+                 (int)(strchr(name[i], '/') - name[i]), name[i]);
+        ck_assert_int_eq(disk_make_dir(path, NULL), 0);
+        snprintf(path, sizeof path, "%s/%s", dir, name[i]);
+        f = fopen(path, "w");
+        ck_assert_ptr_nonnull(f);
+        fclose(f);
+        ck_assert_int_eq(syncs_add(&all, path, true, NULL), 0);
+    }
+    synced.n = 0;
+    ck_assert_int_eq(syncs_settle(&all, NULL), 0);
+    check_synced("one");
+    check_synced("two");
+}
+
+static int
+note_new(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    bool *is_new = arg;
+
+    (void)err;
+    *is_new = s->nunits == 0 && !s->frames[0].written;
+    return 0;
+}
+
+/* The database may give its number again. */
+TEST(nothing_of_a_forgotten_job_counts_for_the_next)
+{
+    uint32_t stored[2];
+    struct rad_error err = { 0 };
+    bool is_new = false;
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
+    open_job(s);
+    put_pieces(s, false, 1);
+    store_write_picture(s, kept_job, 5, 0);
+    run(&loop, s);
+    forget_job(s);
+    run(&loop, s);
+    open_job(s);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_msg(store_recover(s, 1, note_new, &is_new, &err) == 0, "%s",
+                  err.what);
+    ck_assert(is_new);
     close_kept(&loop, s);
 }
 
