@@ -4,10 +4,12 @@
 
 #include "base/output.h"
 #include "folder/room.h"
+#include "store/store_impl.h"
 #include "store_fixture.h"
 
 #include <fcntl.h>
 #include <stdio.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <sysexits.h>
@@ -76,6 +78,24 @@ TEST(store_keeps_files_and_refuses_impostors)
     run(&loop, s);
     ck_assert_int_eq(h.files, 2);
     ck_assert_int_eq(h.status, 76);
+}
+
+TEST(a_file_waits_for_descriptors)
+{
+    struct rlimit was, none;
+
+    open_store(true);
+    ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &was), 0);
+    none = (struct rlimit){ 0, was.rlim_max };
+    ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &none), 0);
+    put_file(s, "hello", "hello");
+    while (s->queue.told_lack == TASK_LACKS_NOTHING)
+        uv_run(&loop, UV_RUN_ONCE);
+    ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &was), 0);
+    run(&loop, s);
+    ck_assert_int_eq(h.files, 1);
+    ck_assert_int_eq(h.status, 0);
+    ck_assert_int_eq(access(place_of("hello"), F_OK), 0);
 }
 
 /* Have a store take n pieces of the file "hello". */
