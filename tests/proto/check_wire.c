@@ -119,6 +119,24 @@ TEST(what_is_not_utf8_goes_out_as_question_marks)
     wire_out_release(&out);
 }
 
+/* By its own limit, and by what there is; and nothing is read of it then. */
+TEST(a_blob_is_bounded_at_both_ends)
+{
+    static const uint8_t data[] = { 0, 0, 0, 3, 1, 2, 3 };
+    struct wire_in in;
+    size_t n;
+
+    wire_in_init(&in, data, sizeof data);
+    ck_assert_ptr_eq(wire_get_blob(&in, 3, &n), data + 4);
+    ck_assert(!in.bad && n == 3);
+    wire_in_init(&in, data, sizeof data);
+    ck_assert_ptr_null(wire_get_blob(&in, 2, &n));
+    ck_assert(in.bad && n == 0);
+    wire_in_init(&in, data, sizeof data - 1);
+    ck_assert_ptr_null(wire_get_blob(&in, 3, &n));
+    ck_assert(in.bad && n == 0);
+}
+
 TEST(a_count_is_bounded_by_what_is_left)
 {
     static const uint8_t data[] = { 0, 0, 0, 3, 1, 2, 3, 4, 5, 6 };
