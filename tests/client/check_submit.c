@@ -35,7 +35,10 @@ struct player {
     size_t left;
 };
 
-enum { WRONG = 99 }; /* exit status when the client strays from the script */
+enum {
+    WRONG = 99,      /* exit status when the client strays from the script */
+    CANCEL_MS = 5000 /* most time that it waits for a job to be cancelled */
+};
 
 /* Send the message so often, in one piece. */
 static void
@@ -371,7 +374,7 @@ script_breaks_a_long_upload(struct player *p)
 {
     player_welcome(p, 1);
     player_expect(p, MSG_OFFER);
-    usleep(700000);
+    sleep(6);
     player_hang_up(p);
     player_welcome(p, 1);
     player_render(p);
@@ -541,14 +544,19 @@ script_is_done_before_cancel(struct player *p)
 }
 
 static void
-player_workers(struct player *p, const char *page)
+player_tell_workers(struct player *p, const struct msg *in, const char *page)
 {
-    const struct msg *in = player_expect(p, MSG_PAGE);
     struct msg m = { .type = MSG_ANSWER, .request = in->request };
 
     m.answer.text = (const uint8_t *)page;
     m.answer.len = strlen(page);
     player_send(p, &m);
+}
+
+static void
+player_workers(struct player *p, const char *page)
+{
+    player_tell_workers(p, player_expect(p, MSG_PAGE), page);
 }
 
 static void
@@ -561,16 +569,21 @@ script_has_no_worker(struct player *p)
     player_cancelled(p);
 }
 
-/* A worker is at another job, on the second page. */
+/* A worker is at another job, on the second page; before the client may ask
+ * again one begins ours. */
 static void
 script_is_in_the_queue(struct player *p)
 {
+    const struct msg *in;
+
     player_welcome(p, 1);
     player_take_job(p, false);
     player_progress(p, 0, 0);
     player_workers(p, "{\"rows\": [], \"next\": 7}");
-    player_workers(p,
-                   "{\"rows\": [{\"name\": \"ws1\", \"state\": \"working\"}]}");
+    in = player_expect(p, MSG_PAGE);
+    player_progress(p, 1, 0);
+    player_tell_workers(
+        p, in, "{\"rows\": [{\"name\": \"ws1\", \"state\": \"working\"}]}");
     player_deliver(p);
 }
 
@@ -795,7 +808,7 @@ static const struct script {
     { "in line", script_lets_it_wait_its_turn, 0, 30, .told = true },
     { "refused late", script_refuses_late, 0, .2, .told = true },
     { "lost in line", script_loses_who_is_in_line, 0, 30, .detach = false },
-    { "long upload", script_breaks_a_long_upload, 0, .6, .detach = false },
+    { "long upload", script_breaks_a_long_upload, 0, 5, .detach = false },
     { "no upload", script_breaks_every_upload, RAD_EUNAVAIL, 3,
       .refused = true },
     { "too many connections", script_has_too_many_connections, 0, 30,
@@ -836,7 +849,7 @@ start_player(const struct script *s, const char *path)
     }
     p = calloc(1, sizeof *p);
     p->listening = fd;
-    alarm(60); /* a client that hangs must not hang the tests */
+    alarm(600); /* a client that hangs must not hang the tests */
     s->play(p);
     /* wait for the client to go, so that it reads all that was sent */
     while (read(p->fd, p->bytes, sizeof p->bytes) > 0)
@@ -905,14 +918,15 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
     return rc;
 }
 
-LOOP_TEST(conversations_end_as_they_should, N_ELEM(scripts))
+/* Returns how long the client took [ms]. */
+static uint64_t
+play(const struct script *s)
 {
-    const struct script *s = &scripts[_i];
     struct client c = { .picture = "" };
     struct rad_error err = { 0 };
     char path[100];
     int rc, status = 0;
-    uint64_t begin_ns = uv_hrtime();
+    uint64_t begin_ns = uv_hrtime(), took_ns;
 
     snprintf(path, sizeof path, "%s/socket", dir);
     unlink(path);
@@ -920,9 +934,8 @@ LOOP_TEST(conversations_end_as_they_should, N_ELEM(scripts))
     if (s->play)
         c.player = start_player(s, path);
     rc = run_client(s, &c, &err);
-    unlink(path);     /* tells the player */
-    if (s->interrupt) /* it does not wait for what cannot come */
-        ck_assert_uint_lt(uv_hrtime() - begin_ns, UINT64_C(4000000000));
+    took_ns = uv_hrtime() - begin_ns;
+    unlink(path); /* tells the player */
     ck_assert_msg(rc == s->rc, "%s: %d (%s), expected %d", s->name, rc,
                   err.what, s->rc);
     if (c.player)
@@ -943,6 +956,20 @@ LOOP_TEST(conversations_end_as_they_should, N_ELEM(scripts))
         ck_assert_int_eq(c.nreuse, 1);
         ck_assert_str_eq(c.picture, "a picture");
         ck_assert_str_eq(c.stats, "{ }");
+    }
+    return took_ns / 1000000;
+}
+
+LOOP_TEST(conversations_end_as_they_should, N_ELEM(scripts))
+{
+    const struct script *s = &scripts[_i];
+    uint64_t took_ms = play(s);
+
+    /* who is interrupted waits for nothing that cannot come, which would take
+     * as long each time; a busy machine does not */
+    for (int i = 0; s->interrupt && took_ms >= CANCEL_MS; i++) {
+        ck_assert_int_lt(i, 5);
+        took_ms = play(s);
     }
 }
 

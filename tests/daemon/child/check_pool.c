@@ -605,6 +605,8 @@ TEST(a_thread_without_scratch_memory_ends_the_process)
 TEST(revoked_units_are_not_done)
 {
     open_pool("-x 96 -y 96 -ab 0 -ps 1", false, 1);
+    atomic_store(&gate.ystep, SIDE); /* the thread comes to no second unit */
+    atomic_store(&gate.row, 1);
     for (int i = 0; i < PER_ROW * PER_ROW; i++) {
         struct pool_unit u = unit(i);
 
@@ -613,6 +615,7 @@ TEST(revoked_units_are_not_done)
     pool_revoke(f.pool, 0, 2); /* another attempt's */
     pool_revoke(f.pool, PER_ROW * PER_ROW - 1, 1);
     pool_revoke(f.pool, 5, 1);
+    atomic_store(&gate.row, 0);
     while (got.nlast < PER_ROW * PER_ROW - 2)
         uv_run(&f.loop, UV_RUN_ONCE);
     ck_assert_int_eq(got.nrows[0], WINDOW);

@@ -65,6 +65,8 @@ LOOP_TEST(a_team_tells_what_it_has_gone_over, N_ELEM(makes))
     world_free(w);
 }
 
+enum { PATIENCE_S = 100 }; /* longest wait for another thread */
+
 /* Threads that help each other with one line, or two. */
 struct shared {
     struct world *w;
@@ -136,8 +138,8 @@ share_lines(struct shared *s, team_trace_fn *trace_fn, int first, int last,
     team_free(w->team);
 }
 
-/* No pixel of the bar is traced before two wait for one, or after ten seconds.
- */
+/* No pixel of the bar is traced before two wait for one, or after a time that
+ * no machine is late by. */
 static bool
 trace_when_met(void *arg, struct rad_ctx *ctx, int x, int y,
                struct rad_pixel *out)
@@ -146,7 +148,7 @@ trace_when_met(void *arg, struct rad_ctx *ctx, int x, int y,
     struct timespec until;
 
     clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_sec += 10;
+    until.tv_sec += PATIENCE_S;
     pthread_mutex_lock(&s->mu);
     if (!is_base_line(s->w, y) &&
         (s->threads == 0 ||
@@ -251,7 +253,6 @@ static bool
 trace_early_gap(void *arg, struct rad_ctx *ctx, int x, int y,
                 struct rad_pixel *out)
 {
-    enum { PATIENCE_MS = 10000 };
     struct shared *s = arg;
     struct rad_quincunx *q = &s->w->q;
     int gap = rad_quincunx_gap_begin(q, 1, rad_quincunx_ngaps(q, 1) / 2);
@@ -261,7 +262,7 @@ trace_early_gap(void *arg, struct rad_ctx *ctx, int x, int y,
         usleep(50000);
     }
     for (int ms = 0; y == 0 && x > 0 && !s->reached; ms++) {
-        ck_assert_int_lt(ms, PATIENCE_MS);
+        ck_assert_int_lt(ms, PATIENCE_S * 1000);
         usleep(1000);
     }
     return trace(s->w, ctx, x, y, out);
@@ -571,7 +572,6 @@ static bool
 trace_halted(void *arg, struct rad_ctx *ctx, int x, int y,
              struct rad_pixel *out)
 {
-    enum { PATIENCE_S = 100 };
     struct halted *h = arg;
     struct world *w = h->w;
 
