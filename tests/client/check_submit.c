@@ -33,6 +33,7 @@ struct player {
     uint8_t bytes[1 << 16];
     const uint8_t *next;
     size_t left;
+    int may_ask; /* questions about workers that may come at any time */
 };
 
 enum {
@@ -67,32 +68,61 @@ player_send(struct player *p, const struct msg *m)
     player_send_often(p, m, 1);
 }
 
-/* The next message but PINGs; it must be of that type. */
+static void
+player_tell_workers(struct player *p, const struct msg *in, const char *page)
+{
+    struct msg m = { .type = MSG_ANSWER, .request = in->request };
+
+    m.answer.text = (const uint8_t *)page;
+    m.answer.len = strlen(page);
+    player_send(p, &m);
+}
+
+static const char busy[] =
+    "{\"rows\": [{\"name\": \"ws1\", \"state\": \"working\"}]}";
+
+/* The next message but PINGs and what may be asked; NULL: none comes for so long
+ * (ms below 0: wait for it). */
 static const struct msg *
-player_expect(struct player *p, uint16_t type)
+player_next(struct player *p, int ms)
 {
     for (;;) {
         int rc = frame_read(&p->reader, &p->next, &p->left, &p->in, NULL);
+        struct pollfd in = { p->fd, POLLIN, 0 };
+        ssize_t n;
 
         if (rc < 0)
             _exit(WRONG);
-        if (rc == 1 && p->in.type != MSG_PING) {
-            if (p->in.type != type) {
-                fprintf(stderr, "expected %s, got %s\n", msg_name(type),
-                        msg_name(p->in.type));
-                _exit(WRONG);
-            }
+        if (rc == 1 && p->in.type == MSG_PAGE && p->may_ask > 0) {
+            p->may_ask--;
+            player_tell_workers(p, &p->in, busy);
+        } else if (rc == 1 && p->in.type != MSG_PING) {
             return &p->in;
         }
-        if (rc == 0) {
-            ssize_t n = read(p->fd, p->bytes, sizeof p->bytes);
-
-            if (n <= 0)
-                _exit(WRONG);
-            p->next = p->bytes;
-            p->left = (size_t)n;
-        }
+        if (rc == 1)
+            continue;
+        if (poll(&in, 1, ms) == 0)
+            return NULL;
+        n = read(p->fd, p->bytes, sizeof p->bytes);
+        if (n <= 0)
+            _exit(WRONG);
+        p->next = p->bytes;
+        p->left = (size_t)n;
     }
+}
+
+/* The next message must be of that type. */
+static const struct msg *
+player_expect(struct player *p, uint16_t type)
+{
+    const struct msg *m = player_next(p, -1);
+
+    if (m->type != type) {
+        fprintf(stderr, "expected %s, got %s\n", msg_name(type),
+                msg_name(m->type));
+        _exit(WRONG);
+    }
+    return m;
 }
 
 static void
@@ -544,16 +574,6 @@ script_is_done_before_cancel(struct player *p)
 }
 
 static void
-player_tell_workers(struct player *p, const struct msg *in, const char *page)
-{
-    struct msg m = { .type = MSG_ANSWER, .request = in->request };
-
-    m.answer.text = (const uint8_t *)page;
-    m.answer.len = strlen(page);
-    player_send(p, &m);
-}
-
-static void
 player_workers(struct player *p, const char *page)
 {
     player_tell_workers(p, player_expect(p, MSG_PAGE), page);
@@ -582,13 +602,12 @@ script_is_in_the_queue(struct player *p)
     player_workers(p, "{\"rows\": [], \"next\": 7}");
     in = player_expect(p, MSG_PAGE);
     player_progress(p, 1, 0);
-    player_tell_workers(
-        p, in, "{\"rows\": [{\"name\": \"ws1\", \"state\": \"working\"}]}");
+    player_tell_workers(p, in, busy);
     player_deliver(p);
 }
 
 /* The job is in that state, and no worker is told of, for many times as long as
- * the client would wait. */
+ * the client would wait.  Before it hears of the state it may ask, once. */
 static void
 script_stands_still(struct player *p, uint8_t state)
 {
@@ -599,7 +618,9 @@ script_stands_still(struct player *p, uint8_t state)
     m.progress.job = job_id;
     m.progress.state = state;
     player_send(p, &m);
-    usleep(300000);
+    p->may_ask = 1;
+    if (player_next(p, 300))
+        _exit(WRONG);
     player_deliver(p);
 }
 
