@@ -145,7 +145,8 @@ waited_since(struct submit *s, uint64_t ms)
 static bool
 waited_for_worker(struct submit *s)
 {
-    return !s->met_worker && s->wait_ms > 0 && waited_since(s, s->wait_ms);
+    return !s->met_worker && s->wait_ms > 0 && !submit_stands_still(s) &&
+           waited_since(s, s->wait_ms);
 }
 
 /* --wait is over.  If workers are at other jobs ours is only in the queue,

@@ -111,6 +111,9 @@ int submit_cancel(struct submit *s);
 /* Is the job over, or the cluster that has it going to be? */
 bool submit_is_settled(const struct submit *s);
 
+/* No worker can begin the job: it is paused, or held for want of room. */
+bool submit_stands_still(const struct submit *s);
+
 /* --- submit_ends.c --- */
 
 /* The error of a conversation that a signal ends: it says where the job is. */

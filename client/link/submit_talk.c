@@ -39,18 +39,25 @@ submit_reach(struct submit *s, enum stage to)
 
 /* --- messages that may come at any time --- */
 
+bool
+submit_stands_still(const struct submit *s)
+{
+    return s->last.state == MSG_STATE_HELD || s->last.state == MSG_STATE_PAUSED;
+}
+
 static void
 take_progress(struct submit *s, const struct msg_progress *m)
 {
+    bool stood = submit_stands_still(s);
+
     s->last = *m;
     if (memcmp(m->job, s->job->spec->job, MSG_JOB) == 0)
         submit_reach(s, STAGE_KNOWN);
     /* it may have begun and left between two reports */
     if (m->workers > 0 || m->state == MSG_STATE_RUNNING)
         s->met_worker = true;
-    if (s->wait_ms == 0 || m->state == MSG_STATE_HELD ||
-        m->state == MSG_STATE_PAUSED)
-        s->wait_ms = submit_now_ms(s); /* no worker can come meanwhile */
+    if (s->wait_ms == 0 || stood)
+        s->wait_ms = submit_now_ms(s);
     if (s->cb->progress)
         s->cb->progress(s->cb->arg, m);
 }
