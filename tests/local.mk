@@ -40,6 +40,8 @@ EXTRA_DIST += \
 # what takes longest begins first, or the last minutes have nothing else
 include tests/sim/local.mk
 include tests/accuracy/local.mk
+include tests/soak/local.mk
+include tests/fuzz/local.mk
 include tests/client/local.mk
 include tests/daemon/child/local.mk
 include tests/daemon/coord/local.mk
@@ -48,11 +50,9 @@ include tests/daemon/lines/local.mk
 include tests/daemon/store/local.mk
 include tests/daemon/worker/local.mk
 include tests/e2e/local.mk
-include tests/fuzz/local.mk
 include tests/net/local.mk
 include tests/packages/local.mk
 include tests/proto/local.mk
-include tests/soak/local.mk
 include tests/src/base/local.mk
 include tests/src/geom/local.mk
 include tests/src/image/local.mk
@@ -85,8 +85,13 @@ SANITIZED_MORE = \
 	tests/soak/pairs.sh
 
 # Tests of rights, of what is kept from others and of what the system refuses,
-# where root goes other ways than an ordinary user.
+# where root goes other ways than an ordinary user; the longest first.
 ROOT_TESTS = \
+	tests/e2e/radweb_page.sh \
+	tests/e2e/coord_full.sh \
+	tests/e2e/slurm.sh \
+	tests/e2e/cluster_sandbox.sh \
+	tests/e2e/radctl_lists.sh \
 	tests/daemon/child/check_sandbox \
 	tests/daemon/coord/check_owner \
 	tests/daemon/ground/check_files \
@@ -95,9 +100,7 @@ ROOT_TESTS = \
 	tests/net/check_credentials \
 	tests/net/check_keyfile \
 	tests/e2e/cluster_keys.sh \
-	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
-	tests/e2e/coord_full.sh \
 	tests/e2e/daemon_settings.sh \
 	tests/e2e/enroll.sh \
 	tests/e2e/kept_jobs.sh \
@@ -106,11 +109,8 @@ ROOT_TESTS = \
 	tests/e2e/owners.sh \
 	tests/e2e/radctl_check.sh \
 	tests/e2e/radctl_here.sh \
-	tests/e2e/radctl_lists.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/radd_shortage.sh \
-	tests/e2e/radweb_page.sh \
-	tests/e2e/slurm.sh \
 	tests/e2e/state_damage.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_outputs.sh \

@@ -75,8 +75,6 @@ SHELL_TESTS = \
 	tests/e2e/systemd_units.sh \
 	tests/e2e/versions.sh \
 	tests/e2e/words.sh
-dist_check_SCRIPTS += $(SHELL_TESTS)
-TESTS += $(SHELL_TESTS)
 
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E = \
@@ -87,8 +85,8 @@ SANITIZED_E2E = \
 	tests/e2e/radscene.sh \
 	tests/e2e/submit_embedded.sh
 
-TESTS += $(SANITIZED_E2E)
-dist_check_SCRIPTS += $(SANITIZED_E2E)
+TESTS += $(SANITIZED_E2E) $(SHELL_TESTS)
+dist_check_SCRIPTS += $(SANITIZED_E2E) $(SHELL_TESTS)
 
 # what they share
 EXTRA_DIST += \

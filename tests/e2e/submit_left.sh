@@ -42,7 +42,7 @@ ended said 75
 
 # Without ambient records there are no passes, whose share tells enough: a trial
 # tells the time left, long before a tenth of the picture is there.
-start uncached -aa 0 --progress=always
+start uncached -aa 0 -ad 128 -as 32 --progress=always
 until_true 60 grep -q ' left ' uncached.err ||
     fail "no time left without records: $(cat uncached.err)"
 grep ' left ' uncached.err | head -n 1 | grep -q '^ *[0-9] %' ||
