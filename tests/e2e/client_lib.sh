@@ -84,10 +84,11 @@ launched()
 
 # until_true SECONDS COMMAND...: wait for a condition; false after so long on a
 # machine that is not busy with other things.  One that is may need a good deal
-# longer, and a sanitizer with it: only a test that fails has to wait for that.
+# longer, minutes for what takes no time, and a sanitizer with it: only a test that
+# fails has to wait for that.
 until_true()
 {
-    tries=$(($1 * 10 * 5))
+    tries=$(($1 * 10 * 5 + 1200))
     shift
     while ! "$@" >/dev/null 2>&1; do
         tries=$((tries - 1))

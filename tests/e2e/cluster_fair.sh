@@ -24,7 +24,7 @@ large=$("$radsubmit" --coordinator="$sock" --detach --name=large \
     -vf "$scenes/room.vf" -x 4000 -y 3000 -ab 4 -aa .02 -ar 512 -ad 16384 \
     -as 4096 --ambient=passes "$room" 2>stderr) || fail "large: $(cat stderr)"
 until_true 60 both_work || fail "the large job does not begin"
-at_passes || fail "the large job has no passes"
+until_true 60 at_passes || fail "the large job has no passes"
 
 for bounces in 0 2; do
     : >small.err

@@ -148,8 +148,7 @@ void light bright
 bright source sun
 0 0 4 0 0 1 .5
 END
-# shellcheck disable=SC2154 # set by worker_start
-kill -STOP "$pid_1"
+"$radctl" --coordinator="$sock" drain w1 || fail "drain"
 id=$("$radsubmit" --coordinator="$tcp" --key=user.key --detach \
     -vf "$scenes/room.vf" -x 30 -y 20 -ab 0 sun.rad 2>stderr) ||
     fail "submit: $(cat stderr)"
@@ -157,7 +156,7 @@ id=$("$radsubmit" --coordinator="$tcp" --key=user.key --detach \
 for name in $(ls state/files | grep -vxFf before); do
     rm "state/files/$name"
 done
-kill -CONT "$pid_1"
+"$radctl" --coordinator="$sock" undrain w1 || fail "undrain"
 has_failed() { "$radctl" --coordinator="$sock" jobs | grep -q "^$id *failed"; }
 until_true 30 has_failed || fail "a job whose files are lost does not fail"
 grep -q 'coordinator lost' w1.log && fail "the worker lost its connection"

@@ -49,21 +49,23 @@ expect 77 'for administrators' "another's limits" "$radctl" \
     fail "ana does not hear her limits"
 grep -q '^user_jobs  *2  *2  *jobs that are not over' limits ||
     fail "ana's limits: $(cat limits)"
+# with time to wait all of a script come in turn, each told of it once at most
+seq 6 | xargs -P6 -I{} sh -c '"$0" --coordinator="$1" --key=user.key --wait=300 \
+    -x 8 -y 8 -o turn{}.hdr "$2/room.rad" 2>turn{}.err' \
+    "$radsubmit" "$tcp" "$scenes" &
+six=$!
+waits() { grep -q 'limit user_jobs: you have .*; trying again for 300 s$' turn*.err; }
+until_true 30 waits || fail "none has to wait"
 for file in job second; do
     "$radctl" --coordinator="$tcp" --key=user.key cancel "$(cat $file)" ||
         fail "cancel"
 done
-# with time to wait all of a script come in turn, each told of it once at most
-seq 6 | xargs -P6 -I{} sh -c '"$0" --coordinator="$1" --key=user.key --wait=300 \
-    -x 8 -y 8 -o turn{}.hdr "$2/room.rad" 2>turn{}.err' \
-    "$radsubmit" "$tcp" "$scenes" || fail "six at once: $(cat turn*.err)"
+wait $six || fail "six at once: $(cat turn*.err)"
 for i in 1 2 3 4 5 6; do
     [ -s turn$i.hdr ] || fail "picture $i is not there"
     [ "$(grep -c 'trying again for 300 s' turn$i.err)" -le 1 ] ||
         fail "$i says it again: $(cat turn$i.err)"
 done
-grep -q 'limit user_jobs: you have .*; trying again for 300 s$' turn*.err ||
-    fail "none had to wait"
 python3 - "$sock" "$coord_pid" <<'PYTHON' || fail "the flood: see above"
 import sys, wire
 

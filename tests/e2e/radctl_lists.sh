@@ -136,7 +136,7 @@ end_one $slow "the slow connection"
 
 # a coordinator that is gone before the question comes
 cat >deaf.py <<'PY'
-import socket, sys, time
+import signal, socket, sys
 server, coord = socket.socket(socket.AF_UNIX), socket.socket(socket.AF_UNIX)
 server.bind("deaf")
 server.listen()
@@ -145,7 +145,7 @@ user, _ = server.accept()
 coord.sendall(user.recv(65536))
 user.shutdown(socket.SHUT_RD)
 user.sendall(coord.recv(65536))
-time.sleep(60)
+signal.pause()
 PY
 python3 deaf.py "$sock" &
 deaf=$!

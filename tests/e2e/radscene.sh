@@ -297,7 +297,7 @@ for i in 1 2 3 4 5 6 7 8 9 10; do
     tries=0
     while runs "$(cat pid)"; do
         tries=$((tries + 1))
-        [ $tries -lt 100 ] && sleep .01 && continue
+        [ $tries -lt 6000 ] && sleep .01 && continue
         fail 'a command is left'
         kill -s TERM -- "-$(cat pid)"
         break

@@ -79,9 +79,12 @@ until_true 1 at_rest 1 2 || fail "a paused job is estimated"
 before_units || fail "the estimate is over: too little to pause it"
 ctl resume "$id" || fail "resume"
 until_true 30 used 10 2 || fail "the estimate does not go on"
+held=$(child_of 2) # it stands still, so that the estimate lasts until all is done
+kill -STOP "$held"
 ctl drain w1 || fail "drain"
 until_true 1 at_rest 1 || fail "a drained worker estimates"
 ctl undrain w1 || fail "undrain"
+kill -CONT "$held"
 end_one "$pid_2" 'worker 2'
 before_units || fail "the estimate is over before a worker leaves"
 wait "$job" || fail "estimated: $(cat estimated.err)"

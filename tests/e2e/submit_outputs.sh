@@ -217,7 +217,7 @@ grep -q "cannot write 'standard output'" stderr ||
     fail "closed standard output: $(cat stderr)"
 "$radctl" --coordinator="$work/none" status <&- >&- 2>&-
 [ $? -eq 69 ] || fail "radctl with closed files"
-timeout 20 "$radcoord" --listen= --socket="$work/c.sock" --state="$work/c" \
+timeout 600 "$radcoord" --listen= --socket="$work/c.sock" --state="$work/c" \
     --ports-file="$work/c.ports" <&- >&- 2>&- &
 until_true 10 test -s "$work/c.ports" || fail "a coordinator with closed files"
 kill %% && wait

@@ -63,7 +63,7 @@ kill -CONT "$pid_1" "$coord_pid"
 kill -HUP "$pid_1"
 until_true 10 grep -q "^$pid_1 RELOADING=1" said || fail "no word of reloading"
 cluster_stop
-all_say STOPPING=1 || fail "not all say that they stop"
+until_true 10 all_say STOPPING=1 || fail "not all say that they stop"
 kill $listener
 
 export NOTIFY_SOCKET="$work/nobody"

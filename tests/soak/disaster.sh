@@ -160,7 +160,7 @@ run()
             echo killed >struck
         }
         tries=$((tries + 1))
-        [ $tries -lt 6000 ] || {
+        [ $tries -lt 60000 ] || {
             fail "$point: the job does not end"
             kill $job
         }

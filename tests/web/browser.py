@@ -99,7 +99,7 @@ class Browser:
             raise RuntimeError(text + ": " + str(r["exceptionDetails"]))
         return r["result"].get("value")
 
-    def until(self, text, seconds=20):
+    def until(self, text, seconds=200):
         """Wait for an expression to be true, maybe in a page that comes."""
         end = time.time() + seconds
         while time.time() < end:
