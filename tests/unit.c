@@ -22,7 +22,7 @@ unit_enter(const TTest *test, int first, int end)
 {
     TCase *tc;
 
-    setenv("CK_DEFAULT_TIMEOUT", "600", 0); /* s, for busy machines */
+    setenv("CK_DEFAULT_TIMEOUT", "1800", 0); /* s, for busy machines */
     if (!suite)
         suite = suite_create(program_invocation_short_name);
     tc = tcase_create(test->name);

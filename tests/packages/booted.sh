@@ -12,15 +12,15 @@ die()
     exit 1
 }
 
-# Try a command again and again, for two minutes at most.
+# Try a command again and again, for ten minutes at most.
 within()
 {
     local i
-    for i in {1..600}; do
+    for i in {1..3000}; do
         "$@" >/dev/null 2>&1 && return
         sleep .2
     done
-    die "not within two minutes: $*"
+    die "not within ten minutes: $*"
 }
 
 as_ana()

@@ -155,7 +155,7 @@ StandardError=file:/root/booted.log
 WantedBy=default.target
 EOF
     in_tree booted systemctl enable -q booted.service || die "enable"
-    timeout 300 systemd-nspawn --register=no --keep-unit -b --private-network \
+    timeout 1800 systemd-nspawn --register=no --keep-unit -b --private-network \
         --console=pipe -D "$work/booted" </dev/null >"$work/log" 2>&1
     if ! [ -s "$work/booted/root/booted.log" ]; then
         tail -n 3 "$work/log"
