@@ -124,16 +124,6 @@ coord_start
 count 1 jobs
 count 0 workers
 
-# a file that comes slowly leaves time for the next question
-mkfifo slow.do
-"$top_builddir/tests/tools/proxy" "$work/slow" "$sock" slow.do 2>slow.log &
-slow=$!
-until_true 10 test -S slow || fail "no slow connection: $(cat slow.log)"
-echo "rate 200" >slow.do
-"$radctl" --coordinator="$work/slow" --json job "$mine" >slow.json 2>stderr ||
-    fail "a slow job: $(cat stderr)"
-end_one $slow "the slow connection"
-
 # a coordinator that is gone before the question comes
 cat >deaf.py <<'PY'
 import signal, socket, sys

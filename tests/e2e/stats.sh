@@ -89,11 +89,23 @@ sums "one error.json" >found 2>&1 || fail "--error: $(cat found)"
 
 cluster_start 1 1
 # shellcheck disable=SC2086
-id=$("$radsubmit" --coordinator="$sock" --detach $view "$room" 2>stderr) ||
+id=$("$radsubmit" --coordinator="$sock" --detach $view --partition=window \
+    --windows=100 "$room" 2>stderr) ||
     fail "$(cat stderr)"
 until_true 60 "$radctl" --coordinator="$sock" fetch "$id" -o out.hdr ||
     fail "no picture"
 "$radctl" --coordinator="$sock" --json job "$id" >job.json || fail "radctl job"
+
+# a file that comes slowly, here in seven seconds, leaves time for the next question
+mkfifo slow.do
+"$top_builddir/tests/tools/proxy" "$work/slow" "$sock" slow.do 2>slow.log &
+slow=$!
+until_true 10 test -S slow || fail "no slow connection: $(cat slow.log)"
+echo "rate 4000" >slow.do
+"$radctl" --coordinator="$work/slow" --json job "$id" >slow.json 2>stderr ||
+    fail "a slow job: $(cat stderr)"
+[ "$(wc -c <slow.json)" -gt 25000 ] || fail "that is no long file"
+end_one $slow "the slow connection"
 cluster_stop
 
 names one*.json dry.json job.json >said
