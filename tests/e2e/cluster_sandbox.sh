@@ -27,7 +27,7 @@ exec 7<"$work/open"
 cluster_start 1 1
 pid=$pid_1
 "$radsubmit" --coordinator="$sock" --name=long -vf "$scenes/room.vf" -x 1800 \
-    -y 1350 -ps 1 -ds .05 -dj 1 -ab 2 --partition=window --windows=900 \
+    -y 1350 -ps 1 -ds .02 -dj 1 -ab 0 --partition=window --windows=900 \
     --detach "$room" >id 2>stderr ||
     fail "detach: $(cat stderr)"
 until_true 60 in_the_middle long || fail "the job does not start"
