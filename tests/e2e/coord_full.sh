@@ -177,7 +177,8 @@ if [ $FULL_TMPFS = yes ]; then
         fail "what came of a refused scene is not removed"
     rm state/ballast
 
-    # one that waits for more than there is waits alone
+    # one that waits for more than there is waits alone; beside it, and what the
+    # others left, the log of the database has its 4 MB
     fill
     rm state/crumbs
     truncate -s -4M state/ballast

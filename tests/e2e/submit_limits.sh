@@ -150,4 +150,4 @@ expect 65 "bare.vf: no view line, as 'VIEW= " "no view line" "$radsubmit" \
     --local -S 1 --views=bare.vf $view -o 'm%d.hdr' "$room"
 
 cluster_stop
-exit $failed
+finish
