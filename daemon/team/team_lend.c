@@ -174,20 +174,31 @@ lend_blocks(const struct lending *by, double part, struct team_loan *loan)
     return got;
 }
 
+/* The first column of a loan, counted from its own first, whose base line the
+ * borrower will have: columns before it belong to a gap that begins further
+ * left, which may be all columns of the line's last block. */
+static int
+first_known(const struct rad_quincunx *q, const struct team_loan *loan)
+{
+    int ngaps = rad_quincunx_ngaps(q, loan->line);
+
+    if (!loan->base || loan->x == 0)
+        return 0;
+    for (int g = 0; g < ngaps; g++) {
+        int x = rad_quincunx_gap_begin(q, loan->line, g);
+
+        if (x >= loan->x)
+            return x - loan->x;
+    }
+    return loan->n;
+}
+
 /* Set loan->wanted: the columns of the bar that the lender would fill. */
 static void
 want_columns(const struct lending *by, struct team_loan *loan)
 {
-    const struct rad_quincunx *q = &by->t->spec.sampler;
-    int from = 0;
-
-    for (int g = 0; loan->base && loan->x > 0; g++) {
-        from = rad_quincunx_gap_begin(q, loan->line, g) - loan->x;
-        if (from >= 0)
-            break;
-    }
     memset(loan->wanted, 0, (size_t)(loan->n + 7) / 8);
-    for (int i = from; i < loan->n; i++)
+    for (int i = first_known(&by->t->spec.sampler, loan); i < loan->n; i++)
         if (wants_column(by, loan->x + i))
             loan->wanted[i / 8] |= (uint8_t)(1u << i % 8);
 }

@@ -148,7 +148,6 @@ lend_lines(struct world *w, uint64_t *state, int first, unsigned *nloans)
     int out = 0;
     struct team *t;
 
-    p.end = (enum team_end)draw(state, 4);
     l.pause = draw(state, 200);
     l.part = .1 + .1 * draw(state, 8);
     t = run_lender(&l, &p, 0, NULL, w->facts);
