@@ -25,7 +25,6 @@ msg_code_unit(struct codec *c, struct msg_unit *b)
     code_u32(c, &b->width);
     code_u32(c, &b->height);
     code_below(c, &b->mode, MSG_NMODE);
-    code_below(c, &b->end, MSG_NEND);
     code_u8(c, &b->flags);
     code_must(c, area_fits(b->x, b->y, b->width, b->height));
     code_must(c, (b->flags & ~MSG_UNIT_FLAGS) == 0 &&

@@ -18,26 +18,13 @@ enum msg_mode {
     MSG_NMODE
 };
 
-/* Where a worker begins each bar while it works ahead of the truth.  Twins
- * begin at different ends, so that they meet the same pixels late. */
-enum msg_end {
-    MSG_END_LEFT,  /* left to right */
-    MSG_END_RIGHT, /* right to left */
-    MSG_END_MIDDLE_RIGHT,
-    MSG_END_MIDDLE_LEFT,
-    MSG_NEND
-};
-
 /* MSG_UNIT_TOP: no worker has the base line above this unit; trace that line
  * first, and send it as FACTS.
- * MSG_UNIT_TWIN: other workers have this unit, too; send FACTS as they are
- * made.
  * MSG_UNIT_BARS: make each bar before the next base line, for the unit below
  * has time to wait for the last base line. */
 #define MSG_UNIT_TOP   (1u << 0)
-#define MSG_UNIT_TWIN  (1u << 1)
-#define MSG_UNIT_BARS  (1u << 2)
-#define MSG_UNIT_FLAGS 7u /* all of them */
+#define MSG_UNIT_BARS  (1u << 1)
+#define MSG_UNIT_FLAGS 3u /* all of them */
 
 /* x, y: the top left pixel, y from the picture's top. */
 struct msg_unit {
@@ -46,7 +33,6 @@ struct msg_unit {
     uint32_t frame; /* index into the job's frames */
     uint32_t x, y, width, height;
     uint8_t mode;  /* enum msg_mode */
-    uint8_t end;   /* enum msg_end */
     uint8_t flags; /* MSG_UNIT_...; none with MSG_MODE_WINDOW */
 };
 

@@ -54,7 +54,7 @@ struct msg_ack {
     uint32_t unit, attempt, row, rows;
 };
 
-/* REVOKE, TWIN, PARKED, RESUMED, SPLIT, YIELD: a worker's attempt at a unit. */
+/* REVOKE, PARKED, RESUMED, SPLIT, YIELD: a worker's attempt at a unit. */
 struct msg_attempt {
     const uint8_t *job;
     uint32_t unit, attempt;

@@ -124,7 +124,6 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     case MSG_LEND:
     case MSG_LOAN:
     case MSG_BACK:
-    case MSG_TWIN:
     case MSG_FACTS:
     case MSG_BASE_LINE:
     case MSG_GUESS:

@@ -66,7 +66,7 @@ struct render {
     double doubled;      /* share of redundant records among the last that
                           * came */
     uint64_t first_ms;   /* when records were first sent; 0: never */
-    bool twin;           /* another worker was at a unit of this child */
+    bool borrowed;       /* columns of another worker were traced here */
     uint64_t sent, received, redundant; /* ambient records */
     struct pool_tally past;             /* of pools that are freed */
     uint64_t told_rays;                 /* rays_under_way in the last TALLY */

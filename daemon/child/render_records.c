@@ -17,8 +17,8 @@
 #define DRAIN_PART 20
 #define CALM_MS    200
 #define FEW        .01
-/* Records of workers at the same unit wait no longer than this. */
-#define TWIN_MS 20
+/* Records of a worker that borrowed columns wait no longer than this. */
+#define LOAN_MS 20
 /* Records of which one is looked up, to see whether it was redundant: that
  * costs more than to insert it. */
 #define METER_EACH 8
@@ -46,7 +46,7 @@ send_batch(struct render *r, const struct rad_ambrec *recs, size_t n)
 static uint64_t
 drain_ms(const struct render *r)
 {
-    uint64_t most = r->twin ? TWIN_MS : CALM_MS;
+    uint64_t most = r->borrowed ? LOAN_MS : CALM_MS;
     double ms =
         r->first_ms ? (double)(uv_now(&r->loop) - r->first_ms) / DRAIN_PART : 0;
 

@@ -103,7 +103,6 @@ render_take_unit(struct render *r, const struct msg_unit *u)
     struct rad_error err = { 0 };
     int rc = check_unit(r, u, &err);
 
-    r->twin |= u->flags & MSG_UNIT_TWIN;
     if (rc == 0)
         rc = begin_frame(r, u->frame, &err);
     if (rc == 0)
@@ -139,7 +138,7 @@ render_take_strict(struct render *r, const struct msg *m)
         render_fail(r, &err);
         return;
     }
-    r->twin |= m->type == MSG_LOAN || m->type == MSG_TWIN;
+    r->borrowed |= m->type == MSG_LOAN;
     rc = strict_take(pool_lock_strict(r->pool), m, &err);
     pool_unlock_strict(r->pool);
     /* a wrong LOAN is the fault of the worker that made it: it does not fail

@@ -152,7 +152,7 @@ void desk_late(struct job *job, uint32_t index, bool late);
 void desk_log_unit(struct coord *c, const struct job *job,
                    const struct job_attempt *attempt, const char *what);
 void desk_send_ack(struct coord *c, uint64_t conn, const struct msg_ack *ack);
-/* Send REVOKE, TWIN, SPLIT or YIELD for the attempt to its worker. */
+/* Send REVOKE, SPLIT or YIELD for the attempt to its worker. */
 void desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
                        const struct job_attempt *attempt);
 /* Send ambient records of the job to connections that watch it. */

@@ -75,8 +75,6 @@ struct job_attempt {
     enum attempt_state state; /* changed by attempt_step() alone */
     enum attempt_origin origin;
     enum attempt_rows rows;
-    uint8_t end;        /* where on a line tracing begins, enum msg_end */
-    bool twin;          /* the worker was told that others have the unit */
     bool counted;       /* the unit's cost is in job.speed.finished (speed.c) */
     uint64_t out_ms;    /* when the unit went out to the worker */
     uint64_t parked_ms; /* when the attempt last began to wait, or PARKED came

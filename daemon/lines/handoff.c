@@ -69,9 +69,10 @@ handoff_flags(struct job *job, struct job_attempt *attempt)
 {
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, attempt->unit, &first, &last);
-    uint8_t flags = job->units[attempt->unit].nattempts > 1 ? MSG_UNIT_TWIN : 0;
+    uint8_t flags = 0;
 
-    if (flags == 0 && partition_unit_bars(job->partition, attempt->unit))
+    if (job->units[attempt->unit].nattempts == 1 &&
+        partition_unit_bars(job->partition, attempt->unit))
         flags |= MSG_UNIT_BARS;
     if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
         unit_at(job, frame, first - 1) != PARTITION_NONE)

@@ -272,7 +272,6 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t number,
         return;
     }
     u->latest++;
-    to->twin = true;
     to->origin = ATTEMPT_LOAN;
     to->rows = ATTEMPT_DROPPED;
     to->lending.lender = root;

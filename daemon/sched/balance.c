@@ -138,9 +138,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
     }
     if (attempt->lending.loans > 0) /* they are of a line that was given away */
         loss_end_loans(c, job, m->unit, attempt->number);
-    if (has_twin(u,
-                 attempt)) { /* GAVE came after TWIN, and the twin has all lines
-                              */
+    if (has_twin(u, attempt)) { /* which has all lines */
         desk_send_attempt(c, job, MSG_REVOKE, attempt);
         loss_of(c, job, attempt);
         return;

@@ -7,21 +7,6 @@
 #include "desk/holding.h"
 #include "lines/handoff.h"
 
-/* Where a worker begins its lines: another end for each attempt at a unit. */
-static uint8_t
-choose_end(const struct job_unit *u)
-{
-    for (uint8_t end = 0; end < MSG_NEND; end++) {
-        bool taken = false;
-
-        for (uint8_t i = 0; i + 1 < u->nattempts; i++)
-            taken |= u->attempts[i].end == end;
-        if (!taken)
-            return end;
-    }
-    return 0;
-}
-
 static void
 send_unit(struct coord *c, struct job *job, struct job_attempt *attempt)
 {
@@ -40,26 +25,11 @@ send_unit(struct coord *c, struct job *job, struct job_attempt *attempt)
                                 .height = a.height };
     if (strict) {
         m.unit.mode = MSG_MODE_STRICT;
-        m.unit.end = attempt->end;
         m.unit.flags = handoff_flags(job, attempt);
     }
     if (strict)
         handoff_out(c, job, attempt);
     actions_send(&c->actions, job->parts[attempt->part].worker->conn, &m);
-}
-
-/* Tell the workers of the unit's attempts that it has twins now. */
-static void
-tell_twins(struct coord *c, const struct job *job, uint32_t unit)
-{
-    struct job_unit *u = &job->units[unit];
-
-    for (uint8_t i = 0; i < u->nattempts; i++)
-        if (!u->attempts[i].twin) {
-            u->attempts[i].twin = true;
-            if (i + 1 < u->nattempts) /* the newest learns it from its UNIT */
-                desk_send_attempt(c, job, MSG_TWIN, &u->attempts[i]);
-        }
 }
 
 void
@@ -92,12 +62,9 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     }
     if (u->nattempts == 1)
         desk_keep_unit(c, job, unit);
-    attempt->end = choose_end(u);
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
-    if (u->nattempts > 1 && job->shared)
-        tell_twins(c, job, unit);
     send_unit(c, job, attempt);
 }

@@ -125,9 +125,6 @@ strict_take(struct strict *s, const struct msg *m, struct rad_error *err)
     case MSG_YIELD:
         strict_yield(s, m->yield.unit, m->yield.attempt);
         return 1;
-    case MSG_TWIN:
-        strict_twin(s, m->twin.unit, m->twin.attempt);
-        return 1;
     case MSG_LEND:
         strict_lend(s, &m->lend);
         return 1;

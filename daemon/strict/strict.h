@@ -51,7 +51,7 @@ int strict_error(const struct strict *s);
 /* --- messages that come ---
  * UNIT: RAD_EPROTO if its rows are no lines of a frame.  LOAN: RAD_EPROTO if no
  * frame has such columns; PAID is sent then, without facts, and the job goes
- * on.  REVOKE, YIELD, SPLIT, TWIN, LEND and BACK are ignored if the attempt is
+ * on.  REVOKE, YIELD, SPLIT, LEND and BACK are ignored if the attempt is
  * not here.  Facts, guesses, base lines should come before the unit that needs
  * them, for a unit is begun at once. */
 int strict_unit(struct strict *s, const struct msg_unit *u,
@@ -59,7 +59,6 @@ int strict_unit(struct strict *s, const struct msg_unit *u,
 void strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt);
 void strict_yield(struct strict *s, uint32_t unit, uint32_t attempt);
 void strict_split(struct strict *s, uint32_t unit, uint32_t attempt);
-void strict_twin(struct strict *s, uint32_t unit, uint32_t attempt);
 void strict_lend(struct strict *s, const struct msg_lend *m);
 int strict_loan(struct strict *s, const struct msg_loan *m,
                 struct rad_error *err);

@@ -83,10 +83,9 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     u = strict_unit_new(m->unit, m->attempt, m->frame, first, last);
     if (!u)
         return rad_fail_memory(err);
-    u->end = (enum team_end)m->end;
     if (m->flags & MSG_UNIT_TOP && u->first > 0)
         u->above = ABOVE_MADE_HERE;
-    u->flags = m->flags & (MSG_UNIT_TWIN | MSG_UNIT_BARS);
+    u->flags = m->flags & MSG_UNIT_BARS;
     strict_unit_enter(s, u);
     facts_use_above(s, u);
     if (u->first > 0 && strict_unit_has_top(s, u)) /* it came before */
@@ -228,26 +227,6 @@ order_say_top(struct strict *s, const struct strict_unit *u)
         out_facts(s, &s->urgent, u, u->first - 1);
 }
 
-/* Send all new facts of the unit, for its twins. */
-static void
-push_twin_facts(struct strict *s, const struct strict_unit *u)
-{
-    for (int i = u->first; i < u->last; i++)
-        out_facts(s, &s->urgent, u, i);
-}
-
-void
-strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
-{
-    struct strict_unit *u = strict_unit_find(s, unit, attempt);
-
-    if (!u || u->flags & MSG_UNIT_TWIN)
-        return;
-    u->flags |= MSG_UNIT_TWIN;
-    if (facts_make_all(s, u))
-        push_twin_facts(s, u);
-}
-
 /* Is the unit above at work in this child?  Then the top will come soon. */
 static bool
 is_near(const struct strict *s, const struct strict_unit *u)
@@ -301,8 +280,7 @@ is_awaited(const struct strict *s, const struct strict_unit *u)
     bool bottom = strict_has_true_top(u->pass) && !u->bottom_done &&
                   u->last < frame_of(s, u->frame)->nlines;
 
-    return !is_gone(u) &&
-           (bottom || u->flags & MSG_UNIT_TWIN || u->pass->lend > 0);
+    return !is_gone(u) && (bottom || u->pass->lend > 0);
 }
 
 /* When to look at the unit again; u->wait is up to date. */
@@ -323,8 +301,6 @@ tick_unit(struct strict *s, struct strict_unit *u, uint64_t now_ms)
 {
     bool waiting = rank_waits(s, u);
 
-    if (u->flags & MSG_UNIT_TWIN && !is_gone(u))
-        push_twin_facts(s, u);
     if (waiting && !u->wait.waiting)
         u->wait.since_ms = now_ms;
     u->wait.waiting = waiting;

@@ -19,7 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Most pixels of a unit whose facts are kept in case it gets a twin. */
+/* Most pixels of a unit whose facts are kept in case lines of it are given
+ * away. */
 #define MOST_KEPT (1 << 22)
 
 /* Make the guessed bottom of the unit true; returns its edge, NULL: memory is
@@ -129,8 +130,7 @@ static struct strict_pass *
 pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
 {
     struct strict_pass *p = calloc(1, sizeof *p);
-    bool facts = rank != STRICT_TRUTH || u->flags & MSG_UNIT_TWIN ||
-                 u->end != TEAM_FROM_LEFT || may_get_help(s, u);
+    bool facts = rank != STRICT_TRUTH || may_get_help(s, u);
 
     if (!p)
         return NULL;
@@ -144,7 +144,6 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->sent_densities = u->sent_densities;
     p->spec = (struct team_spec){
         .mode = mode_of(rank),
-        .end = u->end,
         .first =
             strict_has_true_top(p) || !goes_above(u) ? u->first : u->first - 1,
         .last = u->last,

@@ -3,7 +3,7 @@
  * Private to strict*.c, as are the headers of these files.  Calls go down:
  *   strict.c        the machine's beginning and end, and what it counts
  *   strict_pass.c   the next pass: of which unit, in which mode; how it ends
- *   strict_order.c  orders about units: UNIT, SPLIT, YIELD, REVOKE, TWIN
+ *   strict_order.c  orders about units: UNIT, SPLIT, YIELD, REVOKE
  *   strict_loan.c   columns that are lent, and that are borrowed
  *   strict_rank.c   which unit comes first
  *   strict_guess.c  guesses at tops and bottoms

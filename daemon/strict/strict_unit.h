@@ -94,9 +94,7 @@ struct strict_unit {
                                                  * by_first and by_last */
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) */
-    enum team_end end;
-    uint8_t flags; /* MSG_UNIT_TWIN: send facts as they are made;
-                    * MSG_UNIT_BARS: LINES makes the bars, too */
+    uint8_t flags;   /* MSG_UNIT_BARS: LINES makes the bars, too */
     enum strict_above above;
     enum strict_progress progress; /* changed by strict_unit_advance() alone */
     enum strict_fate fate;         /* changed by strict_unit_decide() alone */

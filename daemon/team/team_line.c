@@ -76,13 +76,6 @@ densities_needed(const struct member *m, const struct rad_quincunx_line *s)
     return n;
 }
 
-/* Shall the member's line be traced ahead, in the order that spec.end says? */
-static bool
-wants_sweep(const struct member *m)
-{
-    return m->team->spec.end != TEAM_FROM_LEFT && team_facts(m->team, m->i);
-}
-
 /* While the densities of the line above are not there, trace gaps of the line
  * to the right of s's: only pixels that the ends of a gap force, to which
  * densities can only add.  They are kept as facts, or by the line.  Gaps are
@@ -176,8 +169,6 @@ sample_line(struct member *m)
     struct line *l = line_at(t, m->i);
     struct rad_quincunx_line s;
 
-    if (wants_sweep(m) && !sweep_line(m))
-        return false;
     if (!help_claim(m, LINE_BASE, 0))
         return leave_lent_blocks(m);
     rad_quincunx_line_start(&s, &m->q, m->i, density_above(m), l->density,
@@ -255,8 +246,6 @@ fill_bar(struct member *m)
     if (!member_wait(m, t->ndensity + 1))
         return false;
     member_bar_rows(m, rows);
-    if (wants_sweep(m) && !sweep_bar(m, rows, UINT64_MAX))
-        return false;
     if (!fill_blocks(m, rows))
         return false;
     team_add(t, &t->bars, team_line_rows(&m->q, m->i) - 1);

@@ -16,17 +16,6 @@ enum team_mode { TEAM_TRUTH, TEAM_LINES, TEAM_AHEAD, TEAM_LOAN };
  * this many base lines below it. */
 enum { TEAM_SURE = 4 };
 
-/* Where members begin a line, so that workers at the same unit meet late.  The
- * line is traced ahead from there, into facts, and then gone over from the
- * left.  TEAM_FROM_LEFT needs no facts.  A member that meets another worker's
- * facts (RAD_FACT_FOREIGN) goes on in the middle of the widest gap left. */
-enum team_end {
-    TEAM_FROM_LEFT,
-    TEAM_FROM_RIGHT,
-    TEAM_MIDDLE_RIGHTWARDS,
-    TEAM_MIDDLE_LEFTWARDS
-};
-
 /* Trace column x, row y of the picture into *out; false: the view shows nothing
  * there, and *out is the picture's value for that. */
 typedef bool team_trace_fn(void *arg, struct rad_ctx *ctx, int x, int y,
@@ -106,7 +95,6 @@ struct team_spec {
     struct rad_quincunx sampler; /* of the window or frame; its trace and arg
                                   * are not used */
     enum team_mode mode;
-    enum team_end end;
     int first, last; /* lines [first, last) of the sampler's area */
     /* Colours of base line first - 1, and the densities after it; copied.  For
      * TEAM_TRUTH they are true and not NULL, unless first is 0 or the sampler

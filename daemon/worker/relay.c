@@ -233,12 +233,6 @@ to_attempt(struct worker *w, struct wjob *job, const struct msg *m,
 }
 
 static void
-on_twin(struct worker *w, struct wjob *job, const struct msg *m)
-{
-    to_attempt(w, job, m, m->twin.unit, m->twin.attempt);
-}
-
-static void
 on_split(struct worker *w, struct wjob *job, const struct msg *m)
 {
     to_attempt(w, job, m, m->split.unit, m->split.attempt);
@@ -389,7 +383,6 @@ struct handler {
     }
 
 static const struct handler downwards[] = {
-    ROW(TWIN, twin, on_twin),
     ROW(SPLIT, split, on_split),
     ROW(YIELD, yield, on_yield),
     ROW(LEND, lend, on_lend),

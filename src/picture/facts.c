@@ -136,18 +136,6 @@ state_of(const struct rad_facts *f, size_t i)
     return atomic_load_explicit(&f->state[i], memory_order_relaxed);
 }
 
-bool
-rad_facts_met(const struct rad_facts *f, int row, int n, int x, int width)
-{
-    const unsigned mask = KNOWN | RAD_FACT_FOREIGN | RAD_FACT_ESTIMATE;
-
-    for (int k = row; k < row + n; k++)
-        for (size_t i = at(f, x, k), end = i + (size_t)width; i < end; i++)
-            if ((state_of(f, i) & mask) == (KNOWN | RAD_FACT_FOREIGN))
-                return true;
-    return false;
-}
-
 size_t
 rad_facts_unused(const struct rad_facts *f)
 {

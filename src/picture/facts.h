@@ -44,10 +44,6 @@ bool rad_facts_use(struct rad_facts *f, int x, int row, struct rad_pixel *out);
 bool rad_facts_put(struct rad_facts *f, int x, int row,
                    const struct rad_pixel *p, unsigned origin);
 
-/* Is there a fact from another worker, other than for an estimate, in columns
- * [x, x + width) of rows [row, row + n)? */
-bool rad_facts_met(const struct rad_facts *f, int row, int n, int x, int width);
-
 /* Facts that were not used, other than for estimates: once the line is done,
  * rays traced for nothing. */
 size_t rad_facts_unused(const struct rad_facts *f);

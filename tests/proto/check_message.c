@@ -83,8 +83,7 @@ static const struct msg examples[] = {
     { .type = MSG_READY, .ready = { ID, .125, 42, 8, 3 } },
     { .type = MSG_JOB_END, .job_end = { ID } },
     { .type = MSG_UNIT, .unit = { ID, 1, 2, 3, 4, 5, 6, 7,
-                                    MSG_MODE_STRICT, MSG_END_RIGHT,
-                                    MSG_UNIT_TWIN } },
+                                    MSG_MODE_STRICT, MSG_UNIT_TOP } },
     { .type = MSG_RESULT,
       .result = { ID, 1, 2, 3, 1, 2, 3, 1, COUNTS, .pixels = pixels } },
     { .type = MSG_ACK, .ack = { ID, 1, 2, 3, 4 } },
@@ -92,7 +91,6 @@ static const struct msg examples[] = {
     { .type = MSG_LOST, .lost = { ID, EX_SOFTWARE, "killed by signal 11", 2, units } },
     { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 13, 4, 5, 6, 7, 8, 9.5, 10.5, 11,
                                    COUNTS, COUNTS, 12 } },
-    { .type = MSG_TWIN, .twin = { ID, 1, 2 } },
     { .type = MSG_FACTS,
       .facts = { ID, 1, 2, 3, 2, 10, MSG_FACTS_ESTIMATE, 3, bitmap, .pixels = facts } },
     { .type = MSG_PARKED, .parked = { ID, 1, 2 } },
@@ -611,7 +609,7 @@ static const struct {
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
     { MSG_AT_WORKER,
       " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD "
-      "JOB_PEERS TWIN FACTS GUESS BASE_LINE NEXT_HOLDER SPLIT "
+      "JOB_PEERS FACTS GUESS BASE_LINE NEXT_HOLDER SPLIT "
       "ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW TILE_RECORDS "
       "CLOSED FEED " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
@@ -620,7 +618,7 @@ static const struct {
     { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE TILE_RECORDS " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
-      " JOB_END UNIT REVOKE YIELD AMBIENT TWIN FACTS BASE_LINE "
+      " JOB_END UNIT REVOKE YIELD AMBIENT FACTS BASE_LINE "
       "GUESS SPLIT ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT,
@@ -674,7 +672,7 @@ static const struct msg impossible[] = {
     { .type = MSG_UNIT,
       .unit = { ID, 0, 0, 0, 0, 0, 1, 1, .mode = MSG_NMODE } },
     { .type = MSG_UNIT,
-      .unit = { ID, 0, 0, 0, 0, 0, 1, 1, MSG_MODE_WINDOW, 0, MSG_UNIT_TWIN } },
+      .unit = { ID, 0, 0, 0, 0, 0, 1, 1, MSG_MODE_WINDOW, MSG_UNIT_TOP } },
     { .type = MSG_FACTS, /* a bit past the width */
       .facts = { ID, 0, 0, 0, 1, 10, 0, 3, past_width, .pixels = facts } },
     { .type = MSG_FACTS, /* rows that no line has */

@@ -517,7 +517,7 @@ unit(uint32_t number)
 {
     says(COORD, &(struct msg){ .type = MSG_UNIT,
                                .unit = { id, number, 1, 0, 0, 4, WIDTH, BAR,
-                                         MSG_MODE_STRICT, MSG_END_LEFT, 0 } });
+                                         MSG_MODE_STRICT, 0 } });
 }
 
 static void
@@ -548,7 +548,6 @@ worker_no_files(void)
     says(COORD, &start);
     chunk(missing);
     unit(0);
-    of_unit(COORD, MSG_TWIN, 0, 1);
     facts(COORD, 1);
     base_line(COORD, 1);
     of_job(COORD, MSG_JOB_END);
@@ -560,7 +559,6 @@ worker_sharing(void)
 {
     job_begins();
     unit(0);
-    of_unit(COORD, MSG_TWIN, 0, 1);
     facts(COORD, 1);
     guess(COORD, 0);
     base_line(COORD, 1);

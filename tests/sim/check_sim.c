@@ -26,8 +26,8 @@ static struct {
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
     unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
-    unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
-        pictures, tiles, passes, colours, reused, stages;
+    unsigned parked, gave, loans, blocked, estimates, bars, aside, pictures,
+        tiles, passes, colours, reused, stages;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
@@ -112,7 +112,7 @@ static bool
 is_sound(const struct sim *s)
 {
     return s->coord_deaths + s->deaths + s->cuts + s->peer_cuts + s->crashes +
-               s->drains + s->stops + s->parted + s->late + s->twins ==
+               s->drains + s->stops + s->parted + s->late ==
            0;
 }
 
@@ -129,7 +129,7 @@ is_only_cut(const struct sim *s)
 {
     return s->coord_deaths + s->cuts > 0 && !is_ordered(s) &&
            s->deaths + s->peer_cuts + s->crashes + s->drains + s->stops +
-                   s->parted + s->late + s->twins ==
+                   s->parted + s->late ==
                0;
 }
 
@@ -286,7 +286,6 @@ run(uint64_t seed, bool verbose)
             sum.blows[t][b] += cluster.blows[t][b];
     sum.parked += cluster.parked;
     sum.gave += cluster.gave;
-    sum.twins += cluster.twins;
     sum.loans += cluster.loans;
     sum.blocked += cluster.blocked;
     sum.bars += cluster.bars;
@@ -315,20 +314,20 @@ static bool
 was_tried(void)
 {
     static const enum msg_type types[] = {
-        MSG_UNIT,   MSG_RESULT,   MSG_ACK,       MSG_TWIN,      MSG_FACTS,
-        MSG_PARKED, MSG_SPLIT,    MSG_GAVE,      MSG_BASE_LINE, MSG_NEXT_HOLDER,
-        MSG_REVOKE, MSG_ESTIMATE, MSG_ESTIMATED, MSG_LEND,      MSG_LOAN,
-        MSG_BACK,   MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN,
-        MSG_STAGE,  MSG_SHOW,     MSG_GUESS
+        MSG_UNIT,     MSG_RESULT,    MSG_ACK,       MSG_FACTS,       MSG_PARKED,
+        MSG_SPLIT,    MSG_GAVE,      MSG_BASE_LINE, MSG_NEXT_HOLDER, MSG_REVOKE,
+        MSG_ESTIMATE, MSG_ESTIMATED, MSG_LEND,      MSG_LOAN,        MSG_BACK,
+        MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN,      MSG_STAGE,
+        MSG_SHOW,     MSG_GUESS
     };
     bool tried = at_type(MSG_JOB_PEERS) && sum.coord_deaths && sum.deaths &&
                  sum.cuts && sum.peer_cuts && sum.crashes && sum.drains &&
                  sum.stops && sum.repeats && sum.parted && sum.late &&
-                 sum.parked && sum.gave && sum.twins && sum.loans &&
-                 sum.blocked && sum.bars && sum.aside && sum.tiles &&
-                 sum.passes && sum.stages && sum.colours && sum.reused &&
-                 sum.estimates && sum.pauses && sum.priorities && sum.rests &&
-                 sum.yields && sum.refused;
+                 sum.parked && sum.gave && sum.loans && sum.blocked &&
+                 sum.bars && sum.aside && sum.tiles && sum.passes &&
+                 sum.stages && sum.colours && sum.reused && sum.estimates &&
+                 sum.pauses && sum.priorities && sum.rests && sum.yields &&
+                 sum.refused;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -354,7 +353,7 @@ tell(uint64_t runs)
            "cut, %u of "
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u were cut off, %u messages came twice\n"
-           "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
+           "%u units late, %u parked, %u answers to SPLIT, %u "
            "loans, %u waits for them, %u by bars, %u aside, %u estimates; %u "
            "accidents at "
            "JOB_PEERS\n",
@@ -363,8 +362,8 @@ tell(uint64_t runs)
            (unsigned long long)sum.unsaid, (unsigned long long)sum.again,
            (unsigned long long)sum.resumed, sum.coord_deaths, sum.deaths,
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
-           sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.twins,
-           sum.loans, sum.blocked, sum.bars, sum.aside, sum.estimates,
+           sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.loans,
+           sum.blocked, sum.bars, sum.aside, sum.estimates,
            at_type(MSG_JOB_PEERS));
     printf("%u pauses, %u priorities, %u workers drained or not: %u units went "
            "back; where that was all, %llu rays for nothing, of %llu\n",

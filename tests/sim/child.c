@@ -691,7 +691,6 @@ take_strict(struct net *net, int node, const struct msg *m)
 
     SIM_CHECK(net, sim_child_of(net, node)->strict != NULL);
     sim_of(net)->yields += m->type == MSG_YIELD;
-    sim_of(net)->twins += m->type == MSG_TWIN;
     if (strict_brings(m, &frame))
         begin_lines(net, node, frame);
     SIM_CHECK(net, task_message(sim_child_of(net, node)->strict, m));
@@ -732,7 +731,6 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         break;
     case MSG_SPLIT:
     case MSG_YIELD:
-    case MSG_TWIN:
     case MSG_LEND:
     case MSG_LOAN:
     case MSG_BACK:

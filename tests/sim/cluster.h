@@ -193,7 +193,7 @@ struct sim {
     unsigned tiles, passes, stages; /* made; closed, begun at a child */
     unsigned colours;               /* tiles that told colours */
     unsigned reused;                /* first passes of other jobs' caches */
-    unsigned parked, gave, twins, loans, blocked, estimates;
+    unsigned parked, gave, loans, blocked, estimates;
     unsigned bars;           /* units with bars along with base lines */
     unsigned
         aside; /* passes that made way for others' bottoms while making rows */

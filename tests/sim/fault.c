@@ -13,17 +13,14 @@
 /* Types at whose messages accidents happen.  Rare ones are listed several
  * times. */
 static const enum msg_type types[] = {
-    MSG_UNIT,      MSG_RESULT,      MSG_ACK,       MSG_REVOKE,
-    MSG_FACTS,     MSG_PARKED,      MSG_BASE_LINE, MSG_LOST,
-    MSG_READY,     MSG_NEXT_HOLDER, MSG_ESTIMATE,  MSG_ESTIMATED,
-    MSG_JOB_PEERS, MSG_PEER_HELLO,  MSG_TWIN,      MSG_TWIN,
-    MSG_TWIN,      MSG_TWIN,        MSG_SPLIT,     MSG_SPLIT,
-    MSG_GAVE,      MSG_GAVE,        MSG_LEND,      MSG_LEND,
-    MSG_LOAN,      MSG_LOAN,        MSG_BACK,      MSG_BACK,
-    MSG_PAID,      MSG_PAID,        MSG_REVOKE,    MSG_REVOKE,
-    MSG_LOAN,      MSG_TILE,        MSG_TILE,      MSG_TILE_MADE,
-    MSG_TILE_MADE, MSG_FROZEN,      MSG_FROZEN,    MSG_STAGE,
-    MSG_STAGE,     MSG_SHOW,        MSG_SHOW,      MSG_GUESS,
+    MSG_UNIT,     MSG_RESULT,    MSG_ACK,       MSG_REVOKE,     MSG_FACTS,
+    MSG_PARKED,   MSG_BASE_LINE, MSG_LOST,      MSG_READY,      MSG_NEXT_HOLDER,
+    MSG_ESTIMATE, MSG_ESTIMATED, MSG_JOB_PEERS, MSG_PEER_HELLO, MSG_SPLIT,
+    MSG_SPLIT,    MSG_GAVE,      MSG_GAVE,      MSG_LEND,       MSG_LEND,
+    MSG_LOAN,     MSG_LOAN,      MSG_BACK,      MSG_BACK,       MSG_PAID,
+    MSG_PAID,     MSG_REVOKE,    MSG_REVOKE,    MSG_LOAN,       MSG_TILE,
+    MSG_TILE,     MSG_TILE_MADE, MSG_TILE_MADE, MSG_FROZEN,     MSG_FROZEN,
+    MSG_STAGE,    MSG_STAGE,     MSG_SHOW,      MSG_SHOW,       MSG_GUESS,
     MSG_FROZEN
 };
 
@@ -34,9 +31,9 @@ static const enum msg_type types[] = {
 static uint32_t
 which(struct net *net, enum msg_type type)
 {
-    if (type == MSG_TWIN || type == MSG_SPLIT || type == MSG_GAVE ||
-        type == MSG_LEND || type == MSG_LOAN || type == MSG_BACK ||
-        type == MSG_PAID || type == MSG_REVOKE)
+    if (type == MSG_SPLIT || type == MSG_GAVE || type == MSG_LEND ||
+        type == MSG_LOAN || type == MSG_BACK || type == MSG_PAID ||
+        type == MSG_REVOKE)
         return 1 + net_random(net, 2);
     if (type == MSG_SHOW)
         return 1;

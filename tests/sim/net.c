@@ -214,9 +214,8 @@ tell(const struct net *net, const struct net_end *end, const struct msg *m)
                m->result.unit, m->result.attempt, m->result.row,
                m->result.rows);
     else if (m->type == MSG_PARKED || m->type == MSG_REVOKE ||
-             m->type == MSG_SPLIT || m->type == MSG_TWIN ||
-             m->type == MSG_LEND || m->type == MSG_LOAN ||
-             m->type == MSG_BACK || m->type == MSG_PAID)
+             m->type == MSG_SPLIT || m->type == MSG_LEND ||
+             m->type == MSG_LOAN || m->type == MSG_BACK || m->type == MSG_PAID)
         printf(" job %02x unit %u attempt %u", m->parked.job[0], m->parked.unit,
                m->parked.attempt);
     printf("\n");

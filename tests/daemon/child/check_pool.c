@@ -277,7 +277,7 @@ any(struct cluster *c, int n)
 }
 
 static void
-give_part(struct cluster *c, int i, int to, uint8_t end, uint8_t flags)
+give_part(struct cluster *c, int i, int to, uint8_t flags)
 {
     struct part *part = &c->part[i];
     int y = team_line_row(&c->q, part->first);
@@ -286,7 +286,6 @@ give_part(struct cluster *c, int i, int to, uint8_t end, uint8_t flags)
                           .y = (uint32_t)y,
                           .width = SIDE,
                           .mode = MSG_MODE_STRICT,
-                          .end = end,
                           .flags = flags };
 
     m.height = (uint32_t)(rad_quincunx_base_row(&c->q, part->last - 1) + 1 - y);
@@ -313,7 +312,7 @@ on_gave(struct cluster *c, const struct msg_gave *m)
     c->gave++;
     c->part[c->nparts] = (struct part){ .first = last, .last = part->last };
     part->last = last;
-    give_part(c, c->nparts++, any(c, c->nchildren), 0, MSG_UNIT_TOP);
+    give_part(c, c->nparts++, any(c, c->nchildren), MSG_UNIT_TOP);
 }
 
 static void
@@ -477,9 +476,8 @@ give_all(struct cluster *c, int most, bool twins)
 
         c->part[i].twin = twin;
         if (twin)
-            give_part(c, i, other, (uint8_t)any(c, MSG_NEND),
-                      flags | MSG_UNIT_TWIN);
-        give_part(c, i, to, 0, flags | (twin ? MSG_UNIT_TWIN : 0));
+            give_part(c, i, other, flags);
+        give_part(c, i, to, flags);
     }
 }
 
@@ -553,7 +551,7 @@ TEST(rows_of_a_pass_that_ends_early_go_first)
     atomic_store(&gate.ystep, c.q.ystep);
     atomic_store(&gate.reached, false);
     atomic_store(&gate.row, 6 * c.q.ystep);
-    give_part(&c, 0, 0, 0, 0);
+    give_part(&c, 0, 0, 0);
     while (!atomic_load(&gate.reached))
         uv_sleep(1);
     pool_lock_strict(p);

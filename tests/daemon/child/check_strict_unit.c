@@ -66,8 +66,6 @@ TEST(it_says_when_to_look_again)
     ck_assert_uint_eq(strict_tick(s, 3000), 3010);
     p->lend = 0;
     ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
-    strict_twin(s, 0, 1);
-    ck_assert_uint_eq(strict_tick(s, 3000), 3010);
     end_black(p, true);
     ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
 }

@@ -69,7 +69,6 @@ static void
 guess(struct world *w, uint64_t *state, int first, int last)
 {
     struct pass p = { .mode = draw(state, 2) ? TEAM_LINES : TEAM_AHEAD,
-                      .end = (enum team_end)draw(state, 4),
                       .first = first,
                       .last = last,
                       .nthreads = 1 + draw(state, 3),
@@ -117,7 +116,6 @@ get_true(struct world *w, uint64_t *state, int first, int last)
     pthread_t thread;
 
     p.nthreads = 1 + draw(state, 3);
-    p.end = (enum team_end)draw(state, 4);
     p.filled = first + draw(state, 1 + last - first);
 
     ck_assert_int_eq(pthread_create(&thread, NULL, be_twin, &twin), 0);

@@ -165,7 +165,6 @@ unused(const struct world *w)
 /* One pass, by nthreads at once; the team is returned when they have left. */
 struct pass {
     enum team_mode mode;
-    enum team_end end;
     int first, last, nthreads;
     const struct rad_pixel *top;
     const uint8_t *density;
@@ -190,7 +189,6 @@ spec_of(struct world *w, const struct pass *p)
 {
     return (struct team_spec){ .sampler = w->q,
                                .mode = p->mode,
-                               .end = p->end,
                                .first = p->first,
                                .last = p->last,
                                .top = p->top,

@@ -14,7 +14,7 @@ TEST(lines_go_out_with_what_is_known_of_them)
     a = *first_unit_of(W1);
     b = *first_unit_of(W2);
     ck_assert(a.mode == MSG_MODE_STRICT && a.y == 0 && a.height == 1 + BAR);
-    ck_assert(a.width == WIDTH && a.flags == 0 && a.end == MSG_END_LEFT);
+    ck_assert(a.width == WIDTH && a.flags == 0);
     ck_assert_uint_eq(b.height, BAR);
     ck_assert_uint_gt(b.y, a.y + a.height);   /* not what follows */
     ck_assert_uint_eq(b.flags, MSG_UNIT_TOP); /* nobody has what is above */

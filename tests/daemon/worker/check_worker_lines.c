@@ -143,7 +143,6 @@ TEST(what_workers_share_passes_through)
     static const struct msg_cost cost = { 3, 4 };
     const struct msg down[] = {
         { .type = MSG_SPLIT, .split = { job_id, 3, 1 } },
-        { .type = MSG_TWIN, .twin = { job_id, 3, 1 } },
         { .type = MSG_LEND, .lend = { job_id, 3, 1, 9 } },
         { .type = MSG_BACK, .back = { job_id, 3, 1, 1, 0, 6 } },
         { .type = MSG_FACTS,
@@ -168,7 +167,7 @@ TEST(what_workers_share_passes_through)
 
     start_job();
     child_ready();
-    for (int i = 0; i < 4; i++) { /* nothing about unit 3 */
+    for (int i = 0; i < 3; i++) { /* nothing about unit 3 */
         hear(f.coord, &down[i]);
         ck_assert_int_eq(said(f.child, down[i].type), 0);
     }

@@ -92,25 +92,6 @@ TEST(what_was_known_when_it_was_traced_is_counted)
     rad_facts_free(f);
 }
 
-TEST(other_workers_facts_are_met_where_they_are)
-{
-    struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
-    struct rad_pixel p;
-
-    put(f, 1 * WIDTH + 20, RAD_FACT_FOREIGN);
-    put(f, 1 * WIDTH + 10, 0);
-    put(f, 1 * WIDTH + 30, RAD_FACT_FOREIGN | RAD_FACT_ESTIMATE);
-    ck_assert(rad_facts_met(f, 0, 3, 0, WIDTH));
-    ck_assert(rad_facts_met(f, 1, 1, 20, 1));
-    ck_assert(!rad_facts_met(f, 1, 1, 0, 20));
-    ck_assert(!rad_facts_met(f, 1, 1, 21, WIDTH - 21));
-    ck_assert(!rad_facts_met(f, 0, 1, 0, WIDTH));
-    ck_assert(!rad_facts_met(f, 2, 1, 0, WIDTH));
-    ck_assert(rad_facts_use(f, 20, 1, &p));
-    ck_assert(rad_facts_met(f, 1, 1, 20, 1));
-    rad_facts_free(f);
-}
-
 struct parcel {
     uint8_t bitmap[MOST];
     float pixels[4 * MOST];
@@ -303,7 +284,6 @@ LOOP_TEST(threads_that_meet_at_a_pixel_agree, ROUNDS)
     for (int k = 0; k < 3; k++) { /* while they are at it */
         export(f, 0, ROWS, 0, &p);
         ck_assert_int_eq(import(g, 0, ROWS, 0, &p), 0);
-        (void)rad_facts_met(f, 0, ROWS, 0, WIDTH);
     }
     for (int i = 0; i < THREADS; i++) {
         ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
