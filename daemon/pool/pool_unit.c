@@ -253,7 +253,7 @@ new_team(struct active *u)
     spec.count = count_rays;
     spec.help = pool_on_help;
     spec.arg = u;
-    spec.nthreads = spec.ahead.earlier ? 1 : u->pool->nthreads;
+    spec.nthreads = u->pool->nthreads;
     if (spec.mode == TEAM_TRUTH) {
         spec.truth.rows = on_row;
         spec.truth.look = trace_again;

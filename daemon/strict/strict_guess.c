@@ -158,19 +158,12 @@ bool
 guess_record(const struct strict *s, struct strict_pass *p)
 {
     struct team_spec *spec = &p->spec;
-    const struct strict_unit *u = p->of;
-    size_t n = frame_of(s, u->frame)->ndensity;
+    size_t n = frame_of(s, p->frame)->ndensity;
 
     if (n == 0 || spec->mode == TEAM_TRUTH || spec->mode == TEAM_LOAN)
         return true;
-    if (p->rank != STRICT_TRUE_LINES || u->chain.first > spec->first ||
-        u->chain.last < spec->last - 1) {
-        spec->ahead.record = malloc((size_t)(spec->last - spec->first) * n);
-        return spec->ahead.record;
-    }
-    spec->ahead.earlier = recorded(s, u, spec->first);
-    spec->ahead.filled = spec->first; /* its bars are facts, or made later */
-    return true;
+    spec->ahead.record = malloc((size_t)(spec->last - spec->first) * n);
+    return spec->ahead.record;
 }
 
 /* Keep the densities that a pass recorded, unless more lines are kept already;

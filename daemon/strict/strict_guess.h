@@ -15,8 +15,7 @@
 bool guess_top(struct strict *s, struct strict_pass *p);
 /* Is more known of the unit's top than when its lines were last made? */
 bool guess_is_better(const struct strict *s, const struct strict_unit *u);
-/* Let the pass record its lines' densities, or compare them with those of an
- * earlier pass.  False: memory is out. */
+/* Let the pass record its lines' densities; false: memory is out. */
 bool guess_record(const struct strict *s, struct strict_pass *p);
 /* The pass has left: keep the densities that it recorded and, if it is done,
  * its bottom as a guess for the unit below. */

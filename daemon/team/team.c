@@ -35,46 +35,13 @@ hand_on(struct team *t, struct rad_ctx *ctx, int i)
     }
 }
 
-/* Where the densities after line i are recorded. */
-static size_t
-record_place(const struct team *t, int i)
-{
-    return (size_t)(i - t->spec.first) * t->ndensity;
-}
-
-static bool
-is_as_earlier(const struct team *t, int i)
-{
-    return t->spec.ahead.earlier &&
-           memcmp(t->spec.ahead.earlier + record_place(t, i),
-                  line_at(t, i)->density, t->ndensity) == 0;
-}
-
-/* Line i came out as in the earlier pass, and so will those below: skip to the
- * last line. */
-static void
-skip_to_last_locked(struct team *t, int i)
-{
-    int last = atomic_load_explicit(&t->last, memory_order_relaxed);
-    struct line *above = line_at(t, last - 2);
-
-    if (last - 2 <= i)
-        return;
-    memcpy(above->density, t->spec.ahead.earlier + record_place(t, last - 2),
-           t->ndensity);
-    atomic_store(&above->ready, t->ndensity + 1);
-    t->begun = t->finished = last - 1;
-}
-
 /* If line i is the first whose rows are not handed on, hand on all rows that
  * are complete, unless another member does so. */
 void
 team_line_finish(struct team *t, struct rad_ctx *ctx, int i, uint64_t primary)
 {
-    bool alike = i + 2 < t->spec.last && is_as_earlier(t, i);
-
     if (t->spec.ahead.record)
-        memcpy(t->spec.ahead.record + record_place(t, i),
+        memcpy(t->spec.ahead.record + (size_t)(i - t->spec.first) * t->ndensity,
                line_at(t, i)->density, t->ndensity);
     uv_mutex_lock(&t->mu);
     line_at(t, i)->primary = primary;
@@ -91,8 +58,6 @@ team_line_finish(struct team *t, struct rad_ctx *ctx, int i, uint64_t primary)
         }
         t->handing_on = false;
     }
-    if (alike)
-        skip_to_last_locked(t, i);
     uv_mutex_unlock(&t->mu);
 }
 
@@ -160,7 +125,7 @@ team_open(struct team *t)
     bool open;
 
     uv_mutex_lock(&t->mu);
-    open = is_open_locked(t) && !t->spec.ahead.earlier;
+    open = is_open_locked(t);
     uv_mutex_unlock(&t->mu);
     return open;
 }
@@ -350,9 +315,6 @@ team_new(const struct team_spec *spec)
     assert(spec->mode == TEAM_TRUTH ? spec->first == 0 || spec->top
                                     : spec->facts != NULL);
     assert((spec->mode == TEAM_LOAN) == (spec->loan != NULL));
-    assert(!spec->ahead.earlier ||
-           (spec->mode == TEAM_LINES && spec->nthreads == 1 &&
-            spec->ahead.filled <= spec->first));
     if (!t)
         return NULL;
     uv_mutex_init(&t->mu);

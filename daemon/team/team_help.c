@@ -82,7 +82,7 @@ find_locked(const struct team *t, struct help *h, uint64_t *blocks)
 {
     int most = 1; /* a line's member can do the last block by itself */
 
-    if (is_stopped(t) || t->spec.ahead.earlier || t->helpless)
+    if (is_stopped(t) || t->helpless)
         return false;
     for (int i = t->finished; i < t->begun; i++) {
         enum line_part part;

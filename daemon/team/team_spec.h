@@ -84,11 +84,6 @@ struct team_ahead {
     int filled;    /* LINES: make the bars of lines before this one, too */
     /* Room for the densities after each line from `first` on; or NULL. */
     uint8_t *record;
-    /* LINES with true_top, one member and no bars; else NULL: what an earlier
-     * pass recorded of lines `first` to last - 2, over facts that are all here.
-     * If a line's densities come out the same, those of all lines below would,
-     * too: the pass goes on with the last line. */
-    const uint8_t *earlier;
 };
 
 struct team_spec {

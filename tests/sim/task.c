@@ -31,7 +31,7 @@ most_members(const struct team_spec *spec, int nthreads)
 {
     int nlines = spec->last - spec->first;
 
-    if (spec->ahead.earlier || nthreads == 0)
+    if (nthreads == 0)
         return 1;
     return nthreads < nlines ? nthreads : nlines;
 }

@@ -20,7 +20,7 @@ TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
 }
 
 /* A unit that has time: its bars come along, are no longer given away once they
- * are made, and what is known of its densities is held against the truth. */
+ * are made. */
 TEST(bars_that_come_along_stay)
 {
     struct strict_pass *p;
@@ -28,8 +28,7 @@ TEST(bars_that_come_along_stay)
     start(sampler(4, 64, 90), false);
     give_flagged(0, 4, 24, MSG_UNIT_BARS);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_LINES && p->spec.ahead.filled == 24 &&
-              !p->spec.ahead.earlier);
+    ck_assert(p->rank == STRICT_LINES && p->spec.ahead.filled == 24);
     strict_split(s, 0, 1);
     ck_assert(p->stop);
     p->finished = 12;
@@ -40,29 +39,7 @@ TEST(bars_that_come_along_stay)
     end_pass(p, true);
     give_top();
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_TRUE_LINES && p->spec.ahead.filled == 4 &&
-              p->spec.ahead.earlier);
-    end_pass(p, false);
-}
-
-/* The top of a unit that has time comes while its last line is made: the pass
- * that leaves out lines that come out as they were has not the colours that a
- * bar below them is filled from. */
-TEST(what_leaves_lines_out_fills_no_bars)
-{
-    struct strict_pass *p;
-
-    start(sampler(4, 64, 90), false);
-    give_flagged(0, 4, 24, MSG_UNIT_BARS);
-    p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_LINES && p->spec.ahead.filled == 24);
-    give_top();
-    ck_assert(p->stop);
-    p->finished = 23;
-    end_pass(p, false);
-    p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_TRUE_LINES && p->spec.ahead.earlier);
-    ck_assert_int_eq(p->spec.ahead.filled, p->spec.first);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->spec.ahead.filled == 4);
     end_pass(p, false);
 }
 

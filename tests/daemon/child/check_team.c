@@ -86,26 +86,6 @@ guess(struct world *w, uint64_t *state, int first, int last)
     ck_assert_int_eq(pthread_join(thread, NULL), 0);
 }
 
-/* Go over all lines of a pass on a guess first, and have the pass hold its
- * lines against it. */
-static void
-guess_all(struct world *w, uint64_t *state, struct pass *p)
-{
-    struct pass ahead = { .mode = draw(state, 2) ? TEAM_LINES : TEAM_AHEAD,
-                          .first = p->first,
-                          .last = p->last,
-                          .filled = p->filled,
-                          .nthreads = p->nthreads };
-
-    p->record = malloc((size_t)(p->last - p->first) * w->ndensity + 1);
-    ck_assert_ptr_nonnull(p->record);
-    ahead.record = p->record;
-    team_free(run_pass(w, &ahead));
-    p->earlier = p->record;
-    p->filled = p->first;
-    p->nthreads = 1;
-}
-
 /* The truth of some lines from first on, perhaps of the bottom first, perhaps
  * with facts that come in meanwhile.  Returns the line after them. */
 static int
@@ -124,8 +104,6 @@ get_true(struct world *w, uint64_t *state, int first, int last)
 
         for (int i = first; i < last; i++)
             w->facts[i] = w->all[i];
-        if (draw(state, 2))
-            guess_all(w, state, &p);
         p.least = draw(state, 2) ? 0 : first + 1;
         t = run_pass(w, &p);
         ck_assert(team_done(t));
@@ -133,9 +111,6 @@ get_true(struct world *w, uint64_t *state, int first, int last)
         assert_bottom(w, t, p.last);
         team_free(t);
     }
-    free(p.record);
-    p.record = NULL;
-    p.earlier = NULL;
     p.mode = TEAM_TRUTH;
     p.least = draw(state, 2) ? 0 : first + 1;
     last = tell_truth(w, &p);
@@ -315,58 +290,5 @@ TEST(a_guess_goes_by_the_facts_that_stay)
     team_free(t);
     free(ahead);
     free(again);
-    world_free(w);
-}
-
-/* May a member join a team for that pass? */
-static bool
-is_open(struct world *w, const struct pass *p)
-{
-    struct team_spec spec = spec_of(w, p);
-    struct team *t = team_new(&spec);
-    bool open;
-
-    ck_assert_ptr_nonnull(t);
-    open = team_open(t);
-    team_free(t);
-    return open;
-}
-
-/* A true pass over facts that comes to what an earlier one found leaves out the
- * lines between: else it would trace the one whose facts are gone. */
-TEST(lines_that_come_out_as_before_are_left_out)
-{
-    struct analytic a = { (enum analytic_kind)0, 1 };
-    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
-    int first = 4, last = w->nlines, middle = last - 3;
-    uint8_t *record = malloc((size_t)last * w->ndensity);
-    struct pass p = { .mode = TEAM_LINES,
-                      .first = first,
-                      .last = last,
-                      .nthreads = 1,
-                      .record = record };
-    struct rad_facts *none =
-        rad_facts_new(w->q.width, team_line_rows(&w->q, middle));
-    struct team *t;
-
-    render_alone(w);
-    team_free(run_pass(w, &p));
-    w->facts[middle] = none;
-    p = true_pass(w, TEAM_LINES, first, last);
-    ck_assert(is_open(w, &p));
-    p.earlier = record;
-    ck_assert(!is_open(w, &p)); /* lines are left out by one member */
-    t = run_pass(w, &p);
-    ck_assert(team_done(t));
-    assert_bottom(w, t, last);
-    /* some of the first lines may be missing */
-    ck_assert_uint_lt(team_rays(t), (uint64_t)(w->q.width / w->q.xstep));
-    team_free(t);
-    p.earlier = NULL;
-    t = run_pass(w, &p);
-    ck_assert_uint_ge(team_rays(t), (uint64_t)(w->q.width / w->q.xstep));
-    team_free(t);
-    rad_facts_free(none);
-    free(record);
     world_free(w);
 }

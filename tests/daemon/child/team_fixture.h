@@ -173,7 +173,6 @@ struct pass {
     int least;      /* shrink to that at least; 0: not */
     int filled;
     uint8_t *record;
-    const uint8_t *earlier;
     uint64_t *cpu_ns;
 };
 
@@ -196,7 +195,6 @@ spec_of(struct world *w, const struct pass *p)
                                .ahead.true_top = p->true_top,
                                .ahead.filled = p->filled,
                                .ahead.record = p->record,
-                               .ahead.earlier = p->earlier,
                                .cpu_ns = p->cpu_ns,
                                .facts = w->facts,
                                .trace = trace,
