@@ -19,12 +19,9 @@ enum msg_mode {
 };
 
 /* MSG_UNIT_TOP: no worker has the base line above this unit; trace that line
- * first, and send it as FACTS.
- * MSG_UNIT_BARS: make each bar before the next base line, for the unit below
- * has time to wait for the last base line. */
+ * first, and send it as FACTS. */
 #define MSG_UNIT_TOP   (1u << 0)
-#define MSG_UNIT_BARS  (1u << 1)
-#define MSG_UNIT_FLAGS 3u /* all of them */
+#define MSG_UNIT_FLAGS 1u /* all of them */
 
 /* x, y: the top left pixel, y from the picture's top. */
 struct msg_unit {

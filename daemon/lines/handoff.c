@@ -69,17 +69,13 @@ handoff_flags(struct job *job, struct job_attempt *attempt)
 {
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, attempt->unit, &first, &last);
-    uint8_t flags = 0;
 
-    if (job->units[attempt->unit].nattempts == 1 &&
-        partition_unit_bars(job->partition, attempt->unit))
-        flags |= MSG_UNIT_BARS;
     if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
         unit_at(job, frame, first - 1) != PARTITION_NONE)
-        return flags;
+        return 0;
     attempt->handoff.makes_top = true;
     partition_keep_line(job->partition, frame, first - 1, true);
-    return flags | MSG_UNIT_TOP;
+    return MSG_UNIT_TOP;
 }
 
 /* Is that line the top of the attempt's unit, which the attempt makes? */

@@ -230,7 +230,6 @@ partition_lost(struct partition *p, uint32_t unit)
         return;
     p->unit[unit].state = PARTITION_WAITING;
     p->unit[unit].keeper = PARTITION_NONE;
-    p->unit[unit].bars = false; /* others wait for its base lines */
     p->waiting++;
     p->shut += partition_is_shut(p, unit);
 }

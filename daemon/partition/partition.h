@@ -141,11 +141,6 @@ uint32_t partition_line_unit(const struct partition *p, uint32_t frame,
 void partition_keep_line(struct partition *p, uint32_t frame, uint32_t line,
                          bool keep);
 
-/* Are the unit's bars to be made along with its base lines, as a single thread
- * makes them?  False, as of any unit that was lost once: base lines come first,
- * for the truth comes down by them. */
-bool partition_unit_bars(const struct partition *p, uint32_t unit);
-
 /* Lines [*first, *last) of a unit. */
 void partition_unit_lines(const struct partition *p, uint32_t unit,
                           uint32_t *first, uint32_t *last);

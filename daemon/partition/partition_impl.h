@@ -17,7 +17,6 @@ struct partition_unit {
     struct partition_area area;
     enum partition_state state;
     uint32_t first, last; /* lines [first, last) of a strict partition */
-    bool bars;            /* see partition_unit_bars() */
     uint32_t keeper;      /* see partition_keep() */
     double cost;
 };

@@ -442,12 +442,6 @@ partition_line_unit(const struct partition *p, uint32_t frame, uint32_t line)
     return p->lines->unit[p->lines->frame[frame].first + line];
 }
 
-bool
-partition_unit_bars(const struct partition *p, uint32_t unit)
-{
-    return p->unit[unit].bars;
-}
-
 void
 partition_unit_lines(const struct partition *p, uint32_t unit, uint32_t *first,
                      uint32_t *last)

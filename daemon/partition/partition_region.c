@@ -13,16 +13,11 @@
  * - auto: a unit has the worker's share of all that is left, by cost; so units
  *   shrink towards the end, and are whole frames at first if there are many.
  *   In the last frame, if it has many lines, each worker gets some regions, one
- *   after the other, so that workers are at different places.  While more
- *   regions are to come the bars of a region are made along with its base
- *   lines: the pixels of both are looked up among the same ambient records, are
- *   more alike, and fewer are traced (by 2 to 4 %; office at night).
- *   In a worker's last region, and in frames of fewer lines, base lines come
- *   before bars, so that the truth is everywhere soon; a unit that is too large
- *   is given away in part later.  Frames of fewer lines go from the top down:
- *   units above are a little further than units below, base lines arrive before
- *   they are needed, and rows are done from the top down.  Their units do not
- *   shrink at first. */
+ *   after the other, so that workers are at different places.  A unit that is
+ *   too large is given away in part later.
+ *   Frames of fewer lines go from the top down: units above are a little
+ * further than units below, base lines arrive before they are needed, and rows
+ * are done from the top down.  Their units do not shrink at first. */
 #include "config.h"
 
 #include "partition/partition_lines.h"
@@ -256,19 +251,6 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
     return first + (last - first) / 2;
 }
 
-/* Auto: does another region come for each worker after the present region?
- * Then the truth can come down meanwhile. */
-static bool
-has_time(const struct partition *p, const struct frame *f,
-         const struct partition_ask *ask)
-{
-    const struct partition_lines *s = p->lines;
-    double lines = (double)f->n / ROUNDS, left = (double)f->n - f->next;
-
-    return s->kind == MSG_PART_AUTO && has_regions(p, f, ask) &&
-           left + ask->share * lines / 2 >= lines;
-}
-
 bool
 region_next(struct partition *p, struct asker *w,
             const struct partition_ask *ask, uint32_t *unit)
@@ -276,7 +258,6 @@ region_next(struct partition *p, struct asker *w,
     struct partition_lines *s = p->lines;
     uint32_t frame = s->lo, first;
     struct frame *f;
-    bool bars;
 
     while (lines_may_begin(p, frame) &&
            s->frame[frame].nfree == s->frame[frame].nkept)
@@ -285,9 +266,5 @@ region_next(struct partition *p, struct asker *w,
         return false;
     f = &s->frame[frame];
     first = unit_start(p, f, w, ask);
-    bars = has_time(p, f, ask);
-    if (!lines_cut(p, frame, first, unit_end(p, f, first, ask), w, unit))
-        return false;
-    p->unit[*unit].bars = bars;
-    return true;
+    return lines_cut(p, frame, first, unit_end(p, f, first, ask), w, unit);
 }

@@ -1,28 +1,12 @@
 /* partition_run.c - static: each worker's own run of a frame
  *
  * All frames are cut alike into runs, in proportion to the workers' speeds, by
- * cost.  The units of a run are, in order: its last lines, down to the base
- * line that the neighbour below needs; then ALONG of what is left, by cost,
- * whose bars are made along with base lines; then the rest, base lines first,
- * so that the truth is everywhere before the end.  A short run, and the last
- * run of a frame, is one unit, base lines first.
+ * cost.  A run is one unit.
  * An idle worker takes the run of an absent worker.  If there is none, and runs
  * are balanced, it takes the lower half of the longest free stretch. */
 #include "config.h"
 
 #include "partition/partition_lines.h"
-
-#include "team/team.h"
-
-/* A run of so many lines is cut into three units.  Bars that are made along
- * with base lines see the same ambient records, and fewer pixels are traced;
- * but the truth comes later, so that lines that are given away meanwhile leave
- * more to be traced, and workers that wait send facts.  Eight workers, office
- * at night: with 107 lines each 3.4 % fewer rays and 2 % faster, measured nine
- * times each; with 53 lines 1 % fewer rays, and no time is won. */
-#define LONG   80
-#define BOTTOM (TEAM_SURE + 1) /* lines, of which the last is a good guess */
-#define ALONG  (2. / 3)
 
 /* The line where the first `part` of a frame's cost ends. */
 static uint32_t
@@ -65,39 +49,6 @@ free_in(const struct partition_lines *s, const struct frame *f, uint32_t first,
     return first < last;
 }
 
-/* The end of the first ALONG of the cost of lines [first, last), rounded down
- * to a line. */
-static uint32_t
-along_until(const struct partition_lines *s, const struct frame *f,
-            uint32_t first, uint32_t last)
-{
-    double left = ALONG * lines_cost(s, f, first, last);
-
-    while (first < last && (left -= line_cost(s, f, first)) >= 0)
-        first++;
-    return first;
-}
-
-/* Find the next free stretch of a run [first, last); false: none is left.  The
- * last run of a frame is not cut: no worker waits for its end, and its bars
- * come along in any case (strict_pass.c). */
-static bool
-next_part(const struct partition_lines *s, const struct frame *f,
-          uint32_t first, uint32_t last, uint32_t *from, uint32_t *to,
-          bool *bars)
-{
-    uint32_t bottom = last - BOTTOM, mid;
-
-    *bars = false;
-    if (last < first + LONG || last == f->n)
-        return free_in(s, f, first, last, from, to);
-    if (free_in(s, f, bottom, last, from, to))
-        return true;
-    mid = along_until(s, f, first, bottom);
-    *bars = free_in(s, f, first, mid, from, to);
-    return *bars || free_in(s, f, mid, bottom, from, to);
-}
-
 /* Cut the next unit of w's run for `taker`, which is w or takes the run of the
  * absent worker w. */
 static bool
@@ -111,17 +62,12 @@ next_own(struct partition *p, struct asker *w, struct asker *taker,
     for (; w->own < s->nframes; w->own++) {
         struct frame *f = &s->frame[w->own];
         uint32_t first, last;
-        bool bars;
 
         if (!lines_may_begin(p, w->own))
             return false;
         own_run(s, f, w, &first, &last);
-        if (!next_part(s, f, first, last, &first, &last, &bars))
-            continue;
-        if (!lines_cut(p, w->own, first, last, taker, unit))
-            return false;
-        p->unit[*unit].bars = bars;
-        return true;
+        if (free_in(s, f, first, last, &first, &last))
+            return lines_cut(p, w->own, first, last, taker, unit);
     }
     return false;
 }

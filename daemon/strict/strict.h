@@ -11,8 +11,7 @@
  * Bottoms come before rows, since other units may wait for them.  If the true
  * top comes before all bars are traced, a unit of several lines makes
  * LINES (again) for its bottom.  If the top is true from the start, TRUTH alone
- * does for a unit of one line, or with no unit below.  With MSG_UNIT_BARS a
- * pass of LINES makes the bars, too.
+ * does for a unit of one line, or with no unit below.
  *
  * Columns of a unit's last line may be lent to another worker while no thread
  * has begun them (LEND, LOAN).  LINES and AHEAD leave them out; TRUTH ends

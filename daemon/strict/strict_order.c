@@ -85,7 +85,6 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
         return rad_fail_memory(err);
     if (m->flags & MSG_UNIT_TOP && u->first > 0)
         u->above = ABOVE_MADE_HERE;
-    u->flags = m->flags & MSG_UNIT_BARS;
     strict_unit_enter(s, u);
     facts_use_above(s, u);
     if (u->first > 0 && strict_unit_has_top(s, u)) /* it came before */
@@ -129,10 +128,8 @@ order_give_lines(struct strict *s, struct strict_unit *u, int last)
 void
 order_split_idle(struct strict *s, struct strict_unit *u)
 {
-    int from = u->filled > u->first ? u->filled : u->first;
+    int from = u->progress >= PROGRESS_AHEAD ? u->last : u->first;
 
-    if (u->progress >= PROGRESS_AHEAD)
-        from = u->last;
     if (from < u->out) /* rows of these lines are handed on */
         from = u->out;
     if (u->fate == FATE_SPLITS)

@@ -102,20 +102,6 @@ may_get_help(const struct strict *s, const struct strict_unit *u)
     return rows < f->q.height && rows * f->q.width <= MOST_KEPT;
 }
 
-/* The line before which LINES makes the bars, too: first (no bars) or last
- * (all).  No unit waits for the last line of a frame, so bars need not come
- * later. */
-static int
-filled_until(const struct strict *s, const struct strict_unit *u)
-{
-    bool bars =
-        u->flags & MSG_UNIT_BARS || u->last == frame_of(s, u->frame)->nlines;
-
-    return bars && u->progress < PROGRESS_LINES && u->above != ABOVE_MADE_HERE
-               ? u->last
-               : u->first;
-}
-
 /* Are there facts of each of the unit's lines? */
 static bool
 has_facts(const struct strict *s, const struct strict_unit *u)
@@ -150,8 +136,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
         .lent = u->lending.lent,
         .loan = u->loan ? &u->loan->is : NULL,
         .truth.out = u->out,
-        .ahead = { .true_top = strict_has_true_top(p),
-                   .filled = filled_until(s, u) },
+        .ahead.true_top = strict_has_true_top(p),
     };
     if (!facts_make_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
         !guess_top(s, p) || !guess_record(s, p)) {
@@ -347,17 +332,6 @@ keep_out(struct strict_unit *u, const struct strict_pass *p)
         u->out = p->finished;
 }
 
-/* Note for how many lines a pass of LINES has made the bars. */
-static void
-keep_filled(struct strict_unit *u, const struct strict_pass *p)
-{
-    int end =
-        p->finished < p->spec.ahead.filled ? p->finished : p->spec.ahead.filled;
-
-    if (p->spec.mode == TEAM_LINES && end > u->filled)
-        u->filled = end;
-}
-
 bool
 strict_ended(struct strict *s, struct strict_pass *p, bool done,
              const struct team_bottom *b, const struct msg_counts *spent,
@@ -370,7 +344,6 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     msg_counts_add(&u->spent, spent);
     if (!done)
         keep_out(u, p);
-    keep_filled(u, p);
     strict_unit_made(u, &p->made);
     guess_keep(s, p, done && !p->stop, b);
     if (over)

@@ -94,11 +94,9 @@ struct strict_unit {
                                                  * by_first and by_last */
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) */
-    uint8_t flags;   /* MSG_UNIT_BARS: LINES makes the bars, too */
     enum strict_above above;
     enum strict_progress progress; /* changed by strict_unit_advance() alone */
     enum strict_fate fate;         /* changed by strict_unit_decide() alone */
-    int filled;       /* lines before this one have their bars, as facts */
     bool bottom_done; /* the true bottom was sent */
     bool parked;      /* PARKED was sent or queued, and not taken back by
                        * RESUMED: the coordinator knows that the unit can only

@@ -16,8 +16,7 @@
  * late gets several passes, each by a new team over the same facts (facts.h):
  *   TEAM_TRUTH  the top is true.  Facts are used, other pixels traced; rows are
  *               painted and handed on; the bottom is true.
- *   TEAM_LINES  the top is a guess.  Base lines are traced, into facts; and the
- *               bars of the first `filled' lines, as in AHEAD.
+ *   TEAM_LINES  the top is a guess.  Base lines are traced, into facts.
  *   TEAM_AHEAD  the top is a guess.  Base lines and bars become facts, but
  *               not the first line's bar if there is no top above it.  Where
  *               little is known of the densities above, pixels of a bar that

@@ -143,7 +143,7 @@ team_facts(const struct team *t, int i)
 static inline bool
 has_bar(const struct team *t, int i)
 {
-    return i > 0 && (t->spec.mode != TEAM_LINES || i < t->spec.ahead.filled) &&
+    return i > 0 && t->spec.mode != TEAM_LINES &&
            (i > t->spec.first || t->spec.top || t->spec.loan);
 }
 

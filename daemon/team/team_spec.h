@@ -81,7 +81,6 @@ struct team_ahead {
     bool true_top; /* LINES: the top is true */
     int top_known; /* AHEAD: how many lines the guessed densities of the top
                     * follow from; TEAM_SURE lines make them as good as true */
-    int filled;    /* LINES: make the bars of lines before this one, too */
     /* Room for the densities after each line from `first` on; or NULL. */
     uint8_t *record;
 };

@@ -26,8 +26,8 @@ static struct {
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
     unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
-    unsigned parked, gave, loans, blocked, estimates, bars, aside, pictures,
-        tiles, passes, colours, reused, stages;
+    unsigned parked, gave, loans, blocked, estimates, aside, pictures, tiles,
+        passes, colours, reused, stages;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
@@ -288,7 +288,6 @@ run(uint64_t seed, bool verbose)
     sum.gave += cluster.gave;
     sum.loans += cluster.loans;
     sum.blocked += cluster.blocked;
-    sum.bars += cluster.bars;
     sum.aside += cluster.aside;
     sum.tiles += cluster.tiles;
     sum.passes += cluster.passes;
@@ -324,10 +323,9 @@ was_tried(void)
                  sum.cuts && sum.peer_cuts && sum.crashes && sum.drains &&
                  sum.stops && sum.repeats && sum.parted && sum.late &&
                  sum.parked && sum.gave && sum.loans && sum.blocked &&
-                 sum.bars && sum.aside && sum.tiles && sum.passes &&
-                 sum.stages && sum.colours && sum.reused && sum.estimates &&
-                 sum.pauses && sum.priorities && sum.rests && sum.yields &&
-                 sum.refused;
+                 sum.aside && sum.tiles && sum.passes && sum.stages &&
+                 sum.colours && sum.reused && sum.estimates && sum.pauses &&
+                 sum.priorities && sum.rests && sum.yields && sum.refused;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -354,7 +352,7 @@ tell(uint64_t runs)
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u were cut off, %u messages came twice\n"
            "%u units late, %u parked, %u answers to SPLIT, %u "
-           "loans, %u waits for them, %u by bars, %u aside, %u estimates; %u "
+           "loans, %u waits for them, %u aside, %u estimates; %u "
            "accidents at "
            "JOB_PEERS\n",
            (unsigned long long)runs, sum.pictures,
@@ -363,8 +361,7 @@ tell(uint64_t runs)
            (unsigned long long)sum.resumed, sum.coord_deaths, sum.deaths,
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
            sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.loans,
-           sum.blocked, sum.bars, sum.aside, sum.estimates,
-           at_type(MSG_JOB_PEERS));
+           sum.blocked, sum.aside, sum.estimates, at_type(MSG_JOB_PEERS));
     printf("%u pauses, %u priorities, %u workers drained or not: %u units went "
            "back; where that was all, %llu rays for nothing, of %llu\n",
            sum.pauses, sum.priorities, sum.rests, sum.yields,

@@ -657,7 +657,6 @@ take_unit(struct net *net, int node, const struct msg_unit *u)
     begin_frame(net, node, u->frame);
     if (u->mode == MSG_MODE_STRICT) {
         SIM_CHECK(net, k->strict != NULL);
-        sim_of(net)->bars += (u->flags & MSG_UNIT_BARS) != 0;
         SIM_CHECK(net, strict_unit(k->strict, u, &err) == 0);
         return;
     }

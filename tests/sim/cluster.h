@@ -194,7 +194,6 @@ struct sim {
     unsigned colours;               /* tiles that told colours */
     unsigned reused;                /* first passes of other jobs' caches */
     unsigned parked, gave, loans, blocked, estimates;
-    unsigned bars;           /* units with bars along with base lines */
     unsigned
         aside; /* passes that made way for others' bottoms while making rows */
 };

@@ -471,8 +471,7 @@ give_all(struct cluster *c, int most, bool twins)
     for (int i = c->nparts - 1; i >= 0; i--) {
         int to = any(c, c->nchildren), other = (to + 1) % c->nchildren;
         bool twin = twins && other != to && any(c, 3) == 0;
-        uint8_t flags = (any(c, 3) == 0 ? MSG_UNIT_TOP : 0) |
-                        (any(c, 2) == 0 ? MSG_UNIT_BARS : 0);
+        uint8_t flags = any(c, 3) == 0 ? MSG_UNIT_TOP : 0;
 
         c->part[i].twin = twin;
         if (twin)

@@ -19,30 +19,6 @@ TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
     expect_pass(STRICT_TRUTH, true);
 }
 
-/* A unit that has time: its bars come along, are no longer given away once they
- * are made. */
-TEST(bars_that_come_along_stay)
-{
-    struct strict_pass *p;
-
-    start(sampler(4, 64, 90), false);
-    give_flagged(0, 4, 24, MSG_UNIT_BARS);
-    p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_LINES && p->spec.ahead.filled == 24);
-    strict_split(s, 0, 1);
-    ck_assert(p->stop);
-    p->finished = 12;
-    end_pass(p, false);
-    p = strict_next(s, STRICT_AHEAD); /* of 12 lines that are left 6 are */
-    ck_assert(p->spec.last == 18 && p->spec.ahead.filled == 18);
-    p->finished = 18;
-    end_pass(p, true);
-    give_top();
-    p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_TRUE_LINES && p->spec.ahead.filled == 4);
-    end_pass(p, false);
-}
-
 /* Line number of the next base line that is told of; -1: there is none. */
 static int
 next_base_line(void)

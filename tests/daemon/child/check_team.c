@@ -78,7 +78,6 @@ guess(struct world *w, uint64_t *state, int first, int last)
     pthread_t thread;
 
     guess_top(w, state, &p);
-    p.filled = p.first + draw(state, 1 + last - p.first);
     for (int i = p.first; i < last; i++)
         w->facts[i] = w->all[i];
     ck_assert_int_eq(pthread_create(&thread, NULL, be_twin, &twin), 0);
@@ -96,7 +95,6 @@ get_true(struct world *w, uint64_t *state, int first, int last)
     pthread_t thread;
 
     p.nthreads = 1 + draw(state, 3);
-    p.filled = first + draw(state, 1 + last - first);
 
     ck_assert_int_eq(pthread_create(&thread, NULL, be_twin, &twin), 0);
     if (draw(state, 2)) {
@@ -210,37 +208,6 @@ LOOP_TEST(little_is_traced_for_nothing, 3 * ANALYTIC_KINDS)
     }
     printf("\n");
     fflush(stdout);
-}
-
-/* Bars that come along with the lines are facts after LINES. */
-TEST(lines_are_filled_as_far_as_asked_for)
-{
-    struct analytic a = { (enum analytic_kind)0, 1 };
-    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
-    struct pass p = { .mode = TEAM_LINES,
-                      .last = w->nlines,
-                      .filled = w->nlines / 2,
-                      .nthreads = 1,
-                      .true_top = true };
-
-    render_alone(w);
-    team_free(run_pass(w, &p));
-    for (int i = 1; i < w->nlines; i++) {
-        int rows = team_line_rows(&w->q, i) - 1;
-        bool some = false;
-
-        for (int x = 0; x < w->q.width; x++)
-            for (int k = 0; k < rows; k++) {
-                struct rad_pixel pixel;
-
-                some |= rad_facts_get(w->facts[i], x, k, &pixel);
-            }
-        ck_assert(some == (i < p.filled));
-    }
-    p = true_pass(w, TEAM_TRUTH, 0, w->nlines);
-    tell_truth(w, &p);
-    assert_same(w);
-    world_free(w);
 }
 
 /* Another worker's value of a pixel, with indirect light a different one,

@@ -114,7 +114,7 @@ give_top(void)
 }
 
 static inline void
-give_flagged(uint32_t number, int first, int last, uint8_t flags)
+give_unit(uint32_t number, int first, int last)
 {
     uint32_t y = (uint32_t)team_line_row(&q, first);
     const struct msg_unit u = { .job = job_id,
@@ -123,16 +123,9 @@ give_flagged(uint32_t number, int first, int last, uint8_t flags)
                                 .y = y,
                                 .width = 64,
                                 .height = (uint32_t)team_line_row(&q, last) - y,
-                                .mode = MSG_MODE_STRICT,
-                                .flags = flags };
+                                .mode = MSG_MODE_STRICT };
 
     ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
-}
-
-static inline void
-give_unit(uint32_t number, int first, int last)
-{
-    give_flagged(number, first, last, 0);
 }
 
 static inline bool

@@ -171,7 +171,6 @@ struct pass {
     bool true_top;
     int stop_after; /* pixels; 0: not */
     int least;      /* shrink to that at least; 0: not */
-    int filled;
     uint8_t *record;
     uint64_t *cpu_ns;
 };
@@ -193,7 +192,6 @@ spec_of(struct world *w, const struct pass *p)
                                .top = p->top,
                                .top_density = p->density,
                                .ahead.true_top = p->true_top,
-                               .ahead.filled = p->filled,
                                .ahead.record = p->record,
                                .cpu_ns = p->cpu_ns,
                                .facts = w->facts,

@@ -228,12 +228,3 @@ TEST(one_that_is_drained_before_the_layout_has_no_part)
     ready(W2);
     ck_assert_uint_eq(unit_of(W1)->height, HEIGHT);
 }
-
-/* Of the first regions bars come along. */
-TEST(who_has_time_makes_bars_along_with_lines)
-{
-    f.tall = true;
-    start(MSG_PART_AUTO, 0, 2);
-    for (uint64_t w = W1; w <= W2; w++)
-        ck_assert_uint_eq(first_unit_of(w)->flags, MSG_UNIT_BARS);
-}

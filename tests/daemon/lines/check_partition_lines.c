@@ -292,8 +292,7 @@ TEST(auto_has_all_lines_out_early)
 }
 
 /* Where there are many lines for each worker it has regions, one after the
- * other, and takes its time but for the last; where there are few, units follow
- * each other. */
+ * other; where there are few, units follow each other. */
 TEST(auto_gives_regions_where_there_are_many_lines)
 {
     static struct msg_frame tall = { 0, 40, 289, "" }; /* 97 lines */
@@ -304,21 +303,18 @@ TEST(auto_gives_regions_where_there_are_many_lines)
     spec.frames = &tall;
     p = partition_new(&spec, NULL);
     ck_assert(cut(p, 0, 4, &first, &last, &unit));
-    ck_assert(first == 0 && last == 8 && partition_unit_bars(p, unit));
+    ck_assert(first == 0 && last == 8);
     partition_lost(p, unit);
     ck_assert(cut(p, 1, 4, &first, &last, &unit)); /* which others wait for */
-    ck_assert(first == 0 && last == 8 && !partition_unit_bars(p, unit));
+    ck_assert(first == 0 && last == 8);
     for (uint32_t i = 1; i < 12; i++) {
         before = last;
         ck_assert(cut(p, i % 4, 4, &first, &last, &unit));
         ck_assert_uint_eq(first, before);
         ck_assert_uint_eq(last - first, 8);
-        ck_assert(partition_unit_bars(p, unit) == (i < 8));
     }
-    while (cut(p, 1, 4, &first, &last, &unit)) { /* what rounding left */
+    while (cut(p, 1, 4, &first, &last, &unit)) /* what rounding left */
         ck_assert_uint_ge(first, 96);
-        ck_assert(!partition_unit_bars(p, unit));
-    }
     partition_free(p);
 
     p = partition_new(&spec, NULL);
@@ -326,39 +322,6 @@ TEST(auto_gives_regions_where_there_are_many_lines)
     before = last;
     ck_assert(cut(p, 1, 5, &first, &last, &unit));
     ck_assert_uint_eq(first, before);
-    ck_assert(!partition_unit_bars(p, unit));
-    partition_free(p);
-}
-
-/* A long run begins with the base line that its neighbour needs, and takes its
- * time for most of what is left; a short one is one unit. */
-TEST(static_cuts_long_runs_in_three)
-{
-    static struct msg_frame tall = { 0, 40, 1441, "" }; /* 481 lines */
-    static const double speed[] = { 1, 1, 1, 1, 1, 1, 1, 1 };
-    struct partition_spec spec = lines_spec(MSG_PART_STATIC, 1);
-    struct partition *p;
-    uint32_t first, last, unit, before;
-
-    spec.frames = &tall;
-    p = partition_new(&spec, NULL);
-    ck_assert(partition_set_speeds(p, speed, 4));
-    ck_assert(cut(p, 1, 4, &first, &last, &unit));
-    ck_assert(first == 236 && last == 241 && !partition_unit_bars(p, unit));
-    ck_assert(cut(p, 1, 4, &first, &last, &unit));
-    ck_assert(first == 121 && last > 190 && last < 200);
-    ck_assert(partition_unit_bars(p, unit));
-    before = last;
-    ck_assert(cut(p, 1, 4, &first, &last, &unit));
-    ck_assert(first == before && last == 236 && !partition_unit_bars(p, unit));
-    ck_assert(cut(p, 3, 4, &first, &last, &unit)); /* nobody is below */
-    ck_assert(first == 361 && last == 481 && !partition_unit_bars(p, unit));
-    partition_free(p);
-
-    p = partition_new(&spec, NULL);
-    ck_assert(partition_set_speeds(p, speed, 8));
-    ck_assert(cut(p, 1, 8, &first, &last, &unit));
-    ck_assert(first == 61 && last == 121 && !partition_unit_bars(p, unit));
     partition_free(p);
 }
 

@@ -115,28 +115,6 @@ TEST(one_that_waited_and_is_stuck_gets_a_twin)
     ck_assert(f.done);
 }
 
-/* The one before had time for its bars; who comes when it is late has none. */
-TEST(a_twin_has_no_time_for_bars)
-{
-    struct msg_unit b, u;
-
-    f.tall = true;
-    start(MSG_PART_AUTO, 0, 2);
-    b = *first_unit_of(W2);
-    ck_assert(b.flags & MSG_UNIT_BARS);
-    for (int i = 0; i < 100; i++) {
-        u = *unit_of(W1);
-        if (u.unit == b.unit)
-            break;
-        if (u.y + u.height < 150)
-            base_line(W1, 0, line_above(u.y + u.height));
-        result(W1, &u, 0, u.height, true);
-        wait_ms(count(W1, MSG_UNIT) > i + 1 ? 10 : 61000);
-    }
-    ck_assert_uint_eq(u.unit, b.unit);
-    ck_assert_uint_eq(u.flags, 0);
-}
-
 /* Its child was stopped after its first rows: they count no more once a twin
  * has rows, and what it sends later is dropped. */
 TEST(a_twin_overtakes_one_that_is_silent)
