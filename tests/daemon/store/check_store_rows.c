@@ -1,5 +1,5 @@
-/* check_store_rows.c - what a store finds of the one before it: rows, base lines,
- * passes; and that it was synced before anybody heard of it */
+/* check_store_rows.c - what a store finds of the one before it: rows, base
+ * lines, passes; and that it was synced before anybody heard of it */
 #include "config.h"
 
 #include "lives_fixture.h"
