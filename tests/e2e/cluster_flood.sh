@@ -21,9 +21,9 @@ for row in json.load(sys.stdin)["limits"]:
     if row["limit"] == sys.argv[1]:
         print(row["most"])' "$2"
 }
-submit()
+submit() # OPTION...
 {
-    "$radsubmit" --coordinator="$tcp" --key=user.key --detach --wait=0 \
+    "$radsubmit" --coordinator="$tcp" --key=user.key --detach "$@" \
         -x 2000 -y 2000 -ab 3 "$scenes/room.rad"
 }
 may_have()
@@ -32,7 +32,7 @@ may_have()
 }
 may_have 1 || fail "ana may have $(limit ana user_jobs) jobs"
 submit >job 2>stderr || fail "a first job: $(cat stderr)"
-expect 75 'limit user_jobs: you have 1 of 1 jobs' "a second job" submit
+expect 75 'limit user_jobs: you have 1 of 1 jobs' "a second job" submit --wait=3
 printf 'user_jobs = 2\nuser_frames = 3\n' >c.conf
 for i in 1 2 3 4; do
     echo "rview -vtv -vp 1 1 $i -vd 0 1 0 -vu 0 0 1 -vh 50 -vv 40"

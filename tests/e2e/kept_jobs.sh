@@ -126,7 +126,7 @@ full() { ana --json limits | grep -A 2 user_unfetched | grep -q '"most": 3'; }
 until_true 10 full || fail "limits does not tell of it: $(ana limits)"
 # shellcheck disable=SC2086
 expect 75 "limit user_unfetched: you have 10 of 3" "one too many" \
-    "$radsubmit" --coordinator="$tcp" --key="$work/user.key" --wait=0 \
+    "$radsubmit" --coordinator="$tcp" --key="$work/user.key" --wait=3 \
     --detach $view "$room"
 
 # Values of sensor points are fetched when radsubmit has them, as pictures are,

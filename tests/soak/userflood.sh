@@ -123,7 +123,7 @@ set -- $(limit user_uploads)
 # shellcheck disable=SC2046
 set -- $(limit user_unread_mib)
 [ "$1" -le $(($2 + 1)) ] || fail "unread answers of the spoiler: $*"
-"$radsubmit" --coordinator="$tcp" --key=spoiler.key --wait=0 -x 8 -y 8 -o no.hdr \
+"$radsubmit" --coordinator="$tcp" --key=spoiler.key --wait=3 -x 8 -y 8 -o no.hdr \
     "$scenes/room.rad" 2>stderr
 [ $? -eq 75 ] && grep -q 'limit user_' stderr ||
     fail "the spoiler hears: $(cat stderr)"
