@@ -9,6 +9,11 @@
  * light would bounce up to twice as often as -ab says, which with -ab 4 makes
  * the Cornell box 1.6 % too bright, however fine the cache.
  *
+ * Steps.  A record of a chair's cushion says nothing about the face below that
+ * stands back a little: there the light of the floor is another.  So for pixels
+ * a record with a large zone does not serve what lies behind its surface,
+ * unless the surface may bend so far.
+ *
  * Light leaks.  A record that was made near a wall which does not reach down to
  * the record's surface must not serve beyond the wall.  So a record remembers
  * the directions in which a surface stands near by at the horizon (its corral);
@@ -28,6 +33,14 @@
  * with smaller zones lack to this.  With less, edges of small zones are seen.
  */
 #define ENOUGH_SMALLER .4
+
+/* A place is behind a step if it is behind a record's surface by this part of
+ * its distance, and the angle between normals, which leaves a bent surface
+ * twice what it needs.  Zones of up to SMALL_ZONE times the least radius may
+ * cross a step: most are among blinds and the like, where light is much the
+ * same. */
+#define STEP       .05f
+#define SMALL_ZONE 1.5
 
 /* The test for a light leak takes a ray.  If the question is only whether some
  * record serves, and for deep records of a frozen cache, records that need the
@@ -199,6 +212,18 @@ put_off_test(struct search *s, const struct rad_ambitem *it, float dist)
     *at = (struct put_off){ it, dist, s->frozen };
 }
 
+/* Is the place behind a step, as seen from the record?  z is its height over
+ * the record's surface, along2 the square of its distance along the surface. */
+static inline bool
+is_behind_step(const struct search *s, const struct rad_ambitem *it, float z,
+               float along2, float turn)
+{
+    float most = STEP + turn;
+
+    return z < 0 && s->at->level == 0 && z * z > most * most * along2 &&
+           (double)it->radius[0] > SMALL_ZONE * s->amb->scale.least;
+}
+
 /* Add a record to the sums, if it serves at the place. */
 static inline void
 add_record(struct search *s, const struct rad_ambitem *it)
@@ -227,7 +252,8 @@ add_record(struct search *s, const struct rad_ambitem *it)
         return;
     dist = sqrtf(dist2);
     turn = sqrtf(turn2);
-    if (!(dist < s->reach) | (turn >= s->max_angle))
+    if (!(dist < s->reach) | (turn >= s->max_angle) ||
+        is_behind_step(s, it, z, u * u + v * v, turn))
         return;
     hear(s, it, &says);
     if (!rad_ambient_extrapolate(it, across, says.gpos, u, v, s->pn, &factor))

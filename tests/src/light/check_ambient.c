@@ -398,6 +398,43 @@ LOOP_TEST(the_order_of_deep_records_does_not_matter, 4)
                             1e-4);
 }
 
+/* Where the least radius is .04, and most records have .4: places behind a
+ * record by less than a step, by a step, and by as much where the surface
+ * bends. */
+TEST(record_does_not_serve_behind_a_step)
+{
+    static const struct {
+        double height, lean, radius;
+        int level;
+        bool serves;
+    } row[] = {
+        { 0, 0, .4, 0, true },      { -.001, 0, .4, 0, true },
+        { -.006, 0, .4, 0, false }, { -.006, .3, .4, 0, true },
+        { -.006, 0, .4, 1, true }, /* in hemispheres it averages out */
+        { -.006, 0, .05, 0, true },
+    };
+    struct rad_geom_counts counts = { 0, 0 };
+    uint64_t rays = 0;
+
+    world_open(&w, PLASTIC CUBE, "-ab 2 -aa .2 -ar 50 -ad 64 -as 0");
+    for (size_t i = 0; i < N_ELEM(row); i++) {
+        struct rad_ambrec rec = record(-.8 + .3 * i, .2, -.5, 2, row[i].level);
+        struct rad_ambplace at = { .level = row[i].level, .weight = 1 };
+        struct rad_rgb E;
+
+        rec.radius[0] = rec.radius[1] = (float)row[i].radius;
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+        rad_copy(at.p, rec.p);
+        at.p[0] += .1 * row[i].radius;
+        at.p[2] += row[i].height;
+        at.n[0] = at.pn[0] = sin(row[i].lean);
+        at.n[2] = at.pn[2] = cos(row[i].lean);
+        ck_assert_msg((rad_ambient_find(w.job->ambient, &at, &E, &counts,
+                                        &rays) > 0) == row[i].serves,
+                      "row %zu", i);
+    }
+}
+
 TEST(other_side_is_not_served)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
