@@ -477,7 +477,7 @@ local_alive(struct local *l, struct rad_error *err)
     return rad_fail(err, l->lack ? l->lack : RAD_EINTERNAL,
                     "the cluster on this machine has ended%s",
                     l->lack == RAD_ENOMEM ? ": out of memory"
-                    : l->lack             ? ": too few threads"
+                    : l->lack             ? ": too few threads or descriptors"
                                           : "");
 }
 

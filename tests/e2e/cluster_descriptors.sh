@@ -147,7 +147,7 @@ for daemon in "$radcoord" "$radd"; do
         prlimit --nofile=20:20 "$daemon"
 done
 # shellcheck disable=SC2086
-expect 69 "at least 32 are needed" "radsubmit with few" \
+expect 75 "at least 32 are needed" "radsubmit with few" \
     prlimit --nofile=20:20 "$radsubmit" --local $view -o few.hdr "$room"
 for n in 5 9; do
     # shellcheck disable=SC2086
