@@ -117,7 +117,7 @@ own_light(const struct rad_ctx *ctx, const struct rad_ambrec *rec,
         E = rad_rgb(v.E[0], v.E[1], v.E[2]);
         *off = (double)v.var;
     }
-    rad_ambient_extrapolate(&item, across, rec->gpos, 0, 0, pn, &factor);
+    rad_ambient_extrapolate(&item, across, 1, pn, &factor);
     return rad_rgb_scale(E, factor);
 }
 

@@ -171,7 +171,7 @@ is_answered(const struct search *s)
 /* A record's values at its own place, smoothed if they can be. */
 struct says {
     struct rad_rgb E;
-    float gpos[2], var;
+    float gpos[2], least, var; /* as of struct rad_smooth_value */
 };
 
 static inline void
@@ -183,12 +183,14 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     k->E = it->E;
     k->gpos[0] = it->gpos[0];
     k->gpos[1] = it->gpos[1];
+    k->least = 0;
     k->var = 0;
     if (!s->frozen || !rad_ambsmooth_at(&amb->smooth, it, &v))
         return;
     k->E = rad_rgb(v.E[0], v.E[1], v.E[2]);
     k->gpos[0] = v.gpos[0];
     k->gpos[1] = v.gpos[1];
+    k->least = v.least;
     k->var = v.var;
 }
 
@@ -229,7 +231,7 @@ static inline void
 add_record(struct search *s, const struct rad_ambitem *it)
 {
     float d[3], across[3], u, v, z, x, y, h, dist2, dist, turn2, turn, factor;
-    float per = 1 / it->radius[0];
+    float per = 1 / it->radius[0], moved;
     double w, angular, lum;
     struct says says;
 
@@ -256,8 +258,11 @@ add_record(struct search *s, const struct rad_ambitem *it)
         is_behind_step(s, it, z, u * u + v * v, turn))
         return;
     hear(s, it, &says);
-    if (!rad_ambient_extrapolate(it, across, says.gpos, u, v, s->pn, &factor))
+    moved = 1 + says.gpos[0] * u + says.gpos[1] * v;
+    if (!rad_ambient_extrapolate(it, across, moved, s->pn, &factor))
         return;
+    if (moved < says.least)
+        factor += says.least - moved;
     if (it->corral && it->corral >> part_of_turn(u, v) & 1) {
         if (s->spares) {
             put_off_test(s, it, dist);

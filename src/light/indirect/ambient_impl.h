@@ -126,18 +126,16 @@ rad_dotf(const float a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Set *factor, by which the record's E changes at the displacement u, v in its
- * plane, for a surface with normal pn; false: the factor is below the least,
- * which *factor gets.  The tilt n x pn has the components -pn.across and pn.u.
- */
+/* Set *factor, by which the record's E changes for a surface with normal pn
+ * where it changes by `moved' in its plane; false: the factor is below the
+ * least, which *factor gets.  The tilt n x pn has the components -pn.across and
+ * pn.u.  */
 static inline bool
 rad_ambient_extrapolate(const struct rad_ambitem *it, const float across[3],
-                        const float gpos[2], float u, float v,
-                        const float pn[3], float *factor)
+                        float moved, const float pn[3], float *factor)
 {
-    float f = 1 + gpos[0] * u + gpos[1] * v +
-              (it->gdir[1] * rad_dotf(pn, it->u) -
-               it->gdir[0] * rad_dotf(pn, across));
+    float f = moved + (it->gdir[1] * rad_dotf(pn, it->u) -
+                       it->gdir[0] * rad_dotf(pn, across));
 
     *factor = f < RAD_AMBIENT_LARGEST_FACTOR ? f : RAD_AMBIENT_LARGEST_FACTOR;
     if (f > RAD_AMBIENT_LEAST_FACTOR)

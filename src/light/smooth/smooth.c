@@ -409,6 +409,18 @@ share_of(const struct rad_quadric *q)
     return own < 1 ? rad_least(share, 1) : 0;
 }
 
+/* The least luminance among the samples of fit q, or `lum' if that is less.
+ * Beyond its samples a fit is often too dark, down to black corners.  Upward it
+ * is right more often: toward a bright patch E rises ever more steeply. */
+static double
+least_sample(const struct search *k, const struct rad_quadric *q, double lum)
+{
+    for (int i = 0; i < k->n; i++)
+        if (k->near[i].d2 < q->width * q->width)
+            lum = rad_least(lum, k->near[i].lum);
+    return lum;
+}
+
 /* Set *v by fit q; false: a channel would be negative, or all channels zero. */
 static bool
 set_value(const struct search *k, const struct rad_quadric *q,
@@ -433,6 +445,7 @@ set_value(const struct search *k, const struct rad_quadric *q,
         slope += share * (q->slope[i] / k->far - slope);
         v->gpos[i] = (float)(slope / lum);
     }
+    v->least = (float)(least_sample(k, q, lum) / lum);
     v->var = (float)((share * share * q->risk +
                       (1 - share) * (1 - share) * q->noise) /
                      (lum * lum));
@@ -448,6 +461,7 @@ keep_own(const struct rad_smooth_place *at, double cut,
         v->E[c] = (float)(cut * (double)at->E[c]);
     v->gpos[0] = at->gpos[0];
     v->gpos[1] = at->gpos[1];
+    v->least = 0;
     v->var = at->var;
 }
 

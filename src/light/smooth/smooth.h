@@ -36,6 +36,7 @@ struct rad_smooth_place {
 /* The smoothed value of a place; fields as of struct rad_smooth_place. */
 struct rad_smooth_value {
     float E[3], gpos[2], var;
+    float least; /* extrapolations are not below this part of E; 0: no bound */
 };
 
 /* Callbacks for n places, by number; are_parted(): does something stand between

@@ -348,6 +348,29 @@ TEST(frozen_records_that_do_not_quite_reach_fill_gaps)
     }
 }
 
+/* Records that have noise, of a light that falls from 4 to 1: a fit of them has
+ * its slope, but beyond the last E is not below what any of them measured. */
+TEST(frozen_records_do_not_fall_below_what_was_measured)
+{
+    struct rad_rgb E = { 0, 0, 0 };
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    rad_ambient_freeze(w.job->ambient);
+    for (int i = 0; i < 49; i++) {
+        double x = .02 * (i % 7), y = .02 * (i / 7 - 3);
+        struct rad_ambrec rec = record(x, y, -.5, (float)(4 - 25 * x), 0);
+
+        rec.var = 1e-3f;
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    }
+    ck_assert(rad_ambient_settle(w.job->ambient));
+    rad_ambient_smooth(w.job->ambient);
+    ck_assert(find(.066, 0, -.5, 0, 1, &E) > 0);
+    ck_assert_double_eq_tol(E.r, 4 - 25 * .066, .01);
+    ck_assert(find(.138, 0, -.5, 0, 1, &E) > 0);
+    ck_assert_double_eq_tol(E.r, 1, .01);
+}
+
 /* At the edge of a small zone within a large one E goes from one to the other
  * record's in small steps. */
 LOOP_TEST(E_does_not_jump_where_a_small_zone_ends, 2)
