@@ -363,6 +363,7 @@ search_once(struct search *s, const struct rad_ambquery *q)
     else
         rad_ambcache_visit(amb->cache, q, add_records, want_more, s);
     s->frozen = false;
+    s->lack = 1; /* small zones come first again */
     if (tile && rad_ambtile_has(tile, s->at->level) && !is_answered(s))
         rad_ambcache_visit(tile->own, q, add_records, want_more, s);
     look_at_put_off(s);

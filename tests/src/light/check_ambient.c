@@ -397,6 +397,37 @@ LOOP_TEST(E_does_not_jump_where_a_small_zone_ends, 2)
     ck_assert_msg(most < .05f, "E jumps by %g", (double)most);
 }
 
+/* A tile's own record counts as one of the frozen cache with as small a zone,
+ * however well that serves. */
+TEST(records_of_a_tile_count_as_frozen_ones)
+{
+    struct rad_ambrec rec[3] = { record(.1, .2, -.5, 2, 0),
+                                 record(.1, .2, -.5, 2, 0),
+                                 record(.1, .2, -.5, 4, 0) };
+    struct rad_ambplace at = { .p = { .1, .2, -.5 }, .weight = 1 };
+    struct rad_geom_counts counts = { 0, 0 };
+    uint64_t rays = 0;
+    struct rad_ambtile tile;
+    struct rad_ambasker asker = { .tile = &tile,
+                                  .counts = &counts,
+                                  .rays = &rays };
+    struct rad_ambsaid said;
+
+    world_open(&w, PLASTIC CUBE, "-ab 2 -aa .2 -ar 0 -ad 64 -as 0");
+    rad_ambient_freeze(w.job->ambient);
+    for (int i = 0; i < 3; i++)
+        rec[i].radius[0] = rec[i].radius[1] = i == 1 ? .4f : .02f;
+    for (int i = 0; i < 2; i++)
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec[i]));
+    ck_assert(rad_ambient_settle(w.job->ambient));
+    rad_ambtile_begin(&tile, &w.ctx, 0, NULL);
+    ck_assert(rad_ambient_keep(&w.ctx, &rec[2]));
+    at.n[2] = at.pn[2] = 1;
+    rad_ambient_ask(w.job->ambient, &at, &asker, &said);
+    rad_ambtile_end(&tile, &w.ctx);
+    ck_assert_double_eq_tol(said.E.r, 3, 1e-5);
+}
+
 /* In whatever order tiles made them: deep records of one size all serve, and of
  * those that a wall may part from the place the nearest. */
 LOOP_TEST(the_order_of_deep_records_does_not_matter, 4)
