@@ -99,9 +99,11 @@ under_way(const struct job *job)
 
     for (uint32_t i = 0; i < job->nout; i++) {
         const struct job_unit *u = &job->units[job->out[i]];
+        const struct job_attempt *lead =
+            attempt_of_number(job, job->out[i], u->lead);
         struct partition_area a;
 
-        if (u->next_row == 0 || !attempt_works(&u->attempts[0]))
+        if (u->next_row == 0 || !lead || !attempt_works(lead))
             continue;
         partition_area(job->partition, job->out[i], &a);
         sum += partition_cost(job->partition, job->out[i]) * u->next_row /

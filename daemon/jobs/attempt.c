@@ -145,6 +145,17 @@ attempt_next(const struct job *job, struct attempt_walk *walk)
 }
 
 struct job_attempt *
+attempt_first(const struct job *job, uint32_t unit)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->nattempts; i++)
+        if (u->attempts[i].origin != ATTEMPT_LOAN)
+            return &u->attempts[i];
+    return NULL;
+}
+
+struct job_attempt *
 attempt_of_part(const struct job *job, uint32_t unit, uint32_t part)
 {
     const struct job_unit *u = &job->units[unit];

@@ -117,6 +117,8 @@ struct attempt_walk attempt_walk(const struct job *job);
 struct job_attempt *attempt_next(const struct job *job,
                                  struct attempt_walk *walk);
 
+/* The first of the unit's attempts that is no loan; NULL: there is none. */
+struct job_attempt *attempt_first(const struct job *job, uint32_t unit);
 /* Find the unit's attempt by its part, by part and number, or by number.
  * NULL: there is none. */
 struct job_attempt *attempt_of_part(const struct job *job, uint32_t unit,

@@ -7,7 +7,8 @@
  * failed: a waiting attempt gets the copy when the top has been here for
  * LINK_MS.  Facts are kept until their line is done, and sent to all workers
  * that have the line or get it.  So no pixel is traced twice when a worker is
- * lost, gives lines away, or has a twin. */
+ * lost or gives lines away; a twin traces again what its unit's other worker
+ * has not told, for that worker may hang. */
 #include "config.h"
 
 #include "lines/handoff.h"
@@ -161,14 +162,15 @@ introduce(struct coord *c, struct job *job, const struct job_attempt *attempt)
 {
     uint32_t first, last, other;
     uint32_t frame = lines_of_unit(job, attempt->unit, &first, &last);
+    const struct job_attempt *below;
 
     other = first > 0 ? unit_at(job, frame, first - 1) : PARTITION_NONE;
     if (other != PARTITION_NONE && job->units[attempt->unit].nattempts == 1)
         send_next_holder(c, job, other, frame, first - 1, attempt);
     other = unit_at(job, frame, last);
-    if (other != PARTITION_NONE && job->units[other].nattempts > 0) {
+    below = other != PARTITION_NONE ? attempt_first(job, other) : NULL;
+    if (below) {
         struct msg m = { .type = MSG_NEXT_HOLDER };
-        const struct job_attempt *below = &job->units[other].attempts[0];
 
         m.next_holder =
             (struct msg_next_holder){ job->id, frame, last - 1,

@@ -41,18 +41,20 @@ choose_giver(const struct coord *c, const struct job *job)
     double most = LEAST_SPLIT_MS;
 
     for (uint32_t i = 0; i < job->nout; i++) {
-        struct job_unit *u = &job->units[job->out[i]];
+        const struct job_unit *u = &job->units[job->out[i]];
+        struct job_attempt *attempt = attempt_first(job, job->out[i]);
         uint32_t first, last;
         double ms;
 
         partition_unit_lines(job->partition, job->out[i], &first, &last);
-        if (u->whole || u->nattempts != 1 || !attempt_works(&u->attempts[0]) ||
-            u->attempts[0].split_ms != 0 || last - first < 2)
+        if (!attempt || u->whole || u->nattempts != 1 ||
+            !attempt_works(attempt) || attempt->split_ms != 0 ||
+            last - first < 2)
             continue;
-        ms = speed_left_ms(c, job, &u->attempts[0]);
+        ms = speed_left_ms(c, job, attempt);
         if (ms >= most) {
             most = ms;
-            best = &u->attempts[0];
+            best = attempt;
         }
     }
     return best;
@@ -264,26 +266,27 @@ bool
 balance_give_twin(struct coord *c, struct job *job, uint32_t index)
 {
     uint64_t lease = lease_of(c, job), longest = 0;
-    uint32_t unit = 0;
+    const struct job_attempt *late = NULL;
 
     for (uint32_t i = 0; i < job->nout; i++) {
-        uint64_t ms = c->now_ms - job->units[job->out[i]].attempts[0].out_ms;
+        const struct job_attempt *first = attempt_first(job, job->out[i]);
+        uint64_t ms = first ? c->now_ms - first->out_ms : 0;
 
         if (ms <= longest || attempt_of_part(job, job->out[i], index) ||
             !wants_twin(c, job, job->out[i], lease))
             continue;
         longest = ms;
-        unit = job->out[i];
+        late = first;
     }
-    if (longest == 0)
+    if (!late)
         return false;
     job->late--;
     actions_log(&c->actions, ACT_INFO,
-                "unit late job=%s unit=%u worker=%s s=%llu", job->hex, unit,
-                job->parts[job->units[unit].attempts[0].part].name,
+                "unit late job=%s unit=%u worker=%s s=%llu", job->hex,
+                late->unit, job->parts[late->part].name,
                 (unsigned long long)longest / 1000);
-    leave_out(job, unit);
-    handout_unit(c, job, index, unit);
+    leave_out(job, late->unit);
+    handout_unit(c, job, index, late->unit);
     return true;
 }
 

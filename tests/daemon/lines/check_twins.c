@@ -95,6 +95,39 @@ TEST(a_very_late_unit_gets_a_twin_with_scanbar_too)
     ck_assert_uint_eq(unit_of(W3)->attempt, 2);
 }
 
+/* ws2 has both units, ws3 the lower one, too, of which it lends ws1 columns.
+ * ws2 is lost, and gets the upper unit again: its base line goes to ws3, for a
+ * loan waits for none. */
+TEST(a_twin_and_not_its_borrower_waits_for_the_base_line)
+{
+    struct msg_unit upper, lower, twin;
+
+    start(MSG_PART_STATIC, 0, 2);
+    lower = *unit_of(W2);
+    wait_ms(40000);
+    coord_closed(f.c, f.now_ms, W1, "cut");
+    carry_out();
+    wait_ms(2000);
+    attempt(W2, MSG_PARKED, &lower);
+    upper = *unit_of(W2);
+    ck_assert_uint_eq(upper.y + upper.height, lower.y);
+    base_line(W2, 0, line_above(lower.y));
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    wait_ms(20000);
+    twin = *unit_of(W3);
+    ck_assert_uint_eq(twin.unit, lower.unit);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    ready(W1);
+    lend(W3, &twin, 6, 10);
+    ck_assert_int_eq(count(W1, MSG_LOAN), 1);
+    result(W3, &twin, 0, 1, false);
+    clear();
+    replace(W2, W2);
+    ck_assert_uint_eq(unit_of(W2)->unit, upper.unit);
+    ck_assert_str_eq(last(W2, MSG_NEXT_HOLDER)->name, "ws3");
+}
+
 /* Its child does nothing any more, though radd is there. */
 TEST(one_that_waited_and_is_stuck_gets_a_twin)
 {
