@@ -53,8 +53,8 @@ show_pictures(struct coord *c, const struct job *job, struct job_part *part)
                      .show = { job->id, s->base + s->n - 1,
                                goal_options(job) } };
 
-    if (!job->goal.ended || s->n == 0 || part->shows || part->lags ||
-        part->passes != s->base + s->n)
+    if (job->goal.state == GOAL_AHEAD || s->n == 0 || part->shows ||
+        part->lags || part->passes != s->base + s->n)
         return;
     actions_send(&c->actions, part->worker->conn, &m);
     part->shows = true;

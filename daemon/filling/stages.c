@@ -198,7 +198,6 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
     bool on = rad_refine_next(&ask, &next, &g->error);
 
     g->mean = rad_refine_mean(&found->sums);
-    g->late = rad_refine_is_short(&ask);
     g->by_clock = g->by_clock || rad_refine_by_clock(&ask);
     actions_log(
         &c->actions, ACT_INFO,
@@ -206,7 +205,9 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
         "goes_on=%d",
         job->hex, g->number, g->error, job->spec.error_ppm / 1e6,
         goal_spent_s(job, c->now_ms), on);
-    g->ended = !on;
+    g->state = on                          ? GOAL_AHEAD
+               : rad_refine_is_short(&ask) ? GOAL_SHORT
+                                           : GOAL_REACHED;
     g->rungs[0] = pack_rung(next.ambient);
     g->rungs[1] = pack_rung(next.pixel);
     if (on) {
@@ -238,8 +239,8 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
 
     wire_out_init(&w, STAGES_BYTES);
     wire_put_u8(&w, LAYOUT);
-    wire_put_u8(&w, g->ended);
-    wire_put_u8(&w, g->late);
+    wire_put_u8(&w, g->state != GOAL_AHEAD);
+    wire_put_u8(&w, g->state == GOAL_SHORT);
     wire_put_u8(&w, g->by_clock);
     wire_put_u8(&w, g->rungs[0]);
     wire_put_u8(&w, g->rungs[1]);
@@ -259,12 +260,14 @@ static bool
 unpack(struct job_goal *g, const struct saved_pass *p)
 {
     struct wire_in in;
+    bool ended, is_short;
 
     wire_in_init(&in, p->bytes, p->len);
     if (wire_get_u8(&in) != LAYOUT)
         return false;
-    g->ended = wire_get_u8(&in);
-    g->late = wire_get_u8(&in);
+    ended = wire_get_u8(&in);
+    is_short = wire_get_u8(&in);
+    g->state = !ended ? GOAL_AHEAD : is_short ? GOAL_SHORT : GOAL_REACHED;
     g->by_clock = wire_get_u8(&in);
     g->rungs[0] = wire_get_u8(&in);
     g->rungs[1] = wire_get_u8(&in);
@@ -289,18 +292,18 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
     if (n == 0 || kept->n <= last)
         return 0;
     if (!unpack(&read, &kept->pass[last]) ||
-        (!read.ended && stages_are_all(job))) {
+        (read.state == GOAL_AHEAD && stages_are_all(job))) {
         kept_cut(kept, last); /* the check pass is made, and decided, again */
         g->unread = true;
         return 0;
     }
     *g = read;
-    for (; !g->ended && g->base <= last; g->base++) {
+    for (; g->state == GOAL_AHEAD && g->base <= last; g->base++) {
         progress_count_tiles(job, &kept->pass[g->base].counts);
         free((void *)kept->pass[g->base].bytes);
         kept->pass[g->base].bytes = NULL;
     }
-    g->number += !g->ended;
+    g->number += g->state == GOAL_AHEAD;
     g->begun_s = (double)g->spent_ms / 1000;
     return set_options(job) ? 1 : rad_fail_memory(err);
 }
@@ -319,9 +322,10 @@ stages_take_up(struct coord *c, struct job *job, struct rad_error *err)
     size = stages_sizes(&job->spec);
     if (!size)
         return rad_fail_memory(err);
-    while (rc > 0 && !g->ended) {
+    while (rc > 0 && g->state == GOAL_AHEAD) {
         rc = stages_plan(job, size, plan, &n, err);
-        g->ended = rc == 0 && n == 0; /* the job has no cache */
+        if (rc == 0 && n == 0)
+            g->state = GOAL_REACHED; /* the job has no cache */
         if (rc == 0)
             rc = take_stage(job, n, err);
     }
@@ -336,7 +340,8 @@ stages_take_up(struct coord *c, struct job *job, struct rad_error *err)
 const char *
 stages_lost(const struct job *job)
 {
-    if (!msg_has_goal(&job->spec) || job->goal.ended || job->pixels_done == 0)
+    if (!msg_has_goal(&job->spec) || job->goal.state != GOAL_AHEAD ||
+        job->pixels_done == 0)
         return NULL;
     return job->goal.unread
                ? "the options that its picture was begun with are kept as "

@@ -8,13 +8,13 @@
 bool
 goal_time_up(const struct job *job)
 {
-    return job->goal.late && job->spec.time_ms > 0;
+    return job->goal.state == GOAL_SHORT && job->spec.time_ms > 0;
 }
 
 bool
 goal_rays_up(const struct job *job)
 {
-    return job->goal.late && job->spec.time_ms == 0;
+    return job->goal.state == GOAL_SHORT && job->spec.time_ms == 0;
 }
 
 double

@@ -12,10 +12,18 @@
 
 struct job;
 
+enum goal_state {
+    GOAL_AHEAD,   /* further stages may follow, or the job has no goal */
+    GOAL_REACHED, /* no stage follows: pictures are made with .options over the
+                   * cache of the last stage */
+    GOAL_SHORT    /* the same, only because time, or the rays that a stage may
+                   * take, ran out */
+};
+
 /* Zeros in a job without a goal. */
 struct job_goal {
-    uint32_t number;    /* of the present stage, or of the last stage if .ended
-                         */
+    enum goal_state state;
+    uint32_t number;    /* of the present stage; else of the last stage */
     uint32_t base;      /* number of the present stage's first pass */
     uint8_t rungs[2];   /* the present options as struct rad_refine_rungs: whole
                          * rungs, and quarters of one in the upper two bits */
@@ -24,18 +32,14 @@ struct job_goal {
     const char *options; /* the present options as text, in job.mem; NULL: the
                           * options of the specification */
     double error;        /* relative error as it was estimated at the end of the
-                          * last stage; once .ended, the error that is foreseen
-                          * for the pictures; 0: not estimated */
+                          * last stage; when no stage follows, the error that is
+                          * foreseen for the pictures; 0: not estimated */
     double mean;         /* as error, of the mean of all pixels */
     uint64_t bytes;      /* size of the records of earlier stages, in this life
                           * of the coordinator */
     uint64_t spent_ms;   /* time spent until the last decision, in earlier
                           * lives of the coordinator */
     double begun_s;      /* seconds the job had spent when the stage began */
-    bool ended;          /* no stage follows: pictures are made with .options
-                          * over the cache of the last stage */
-    bool late;           /* the stages ended only because time, or the rays that
-                          * a stage may take, ran out */
     bool by_clock;       /* with more time a decision would have been another */
     bool unread;         /* an earlier life kept a decision in a layout that
                           * this program does not read */

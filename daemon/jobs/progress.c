@@ -138,7 +138,7 @@ is_steady(const struct progress_pace *p)
 static bool
 is_choosing(const struct job *job)
 {
-    return msg_has_goal(&job->spec) && !job->goal.ended;
+    return msg_has_goal(&job->spec) && job->goal.state == GOAL_AHEAD;
 }
 
 /* Seconds by the job's --time; 0: it has none, or may end before.  With --error
@@ -197,7 +197,7 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .error = progress_error(job).all,
         .left_out = progress_left_out(job),
         .stage = (uint8_t)job->goal.number,
-        .ended = job->goal.ended,
+        .ended = job->goal.state != GOAL_AHEAD,
         .rungs = { job->goal.rungs[0], job->goal.rungs[1] },
         .goal_error = job->goal.error,
     };

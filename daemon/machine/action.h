@@ -72,7 +72,7 @@ enum action_type {
 struct action_rows {
     uint8_t job[MSG_JOB];
     uint64_t sequence; /* of the job: another job may have its id by then */
-    uint32_t worker;   /* index in the job of the worker that sent the rows */
+    uint32_t part; /* of the worker that sent the rows: index in job.parts */
     uint32_t unit, attempt;
     uint32_t row, rows; /* in the unit */
     uint32_t frame;     /* index */

@@ -37,23 +37,23 @@ drop_back(struct partition *p, uint32_t i)
 /* --- costs --- */
 
 uint32_t
-partition_parts(const struct partition *p)
+partition_areas(const struct partition *p)
 {
-    return p->lines ? lines_parts(p) : p->total;
+    return p->lines ? lines_areas(p) : p->total;
 }
 
 void
-partition_part(const struct partition *p, uint32_t part,
-               struct partition_area *area)
+partition_nth_area(const struct partition *p, uint32_t n,
+                   struct partition_area *area)
 {
     if (p->lines)
-        lines_part(p, part, area);
+        lines_nth_area(p, n, area);
     else
-        *area = p->unit[part].area;
+        *area = p->unit[n].area;
 }
 
-/* The least cost of a part, above 0: a part without cost would never be chosen,
- * and never be late. */
+/* The least cost of an area, above 0: an area without cost would never be
+ * chosen, and never be late. */
 static double
 least_cost(const double *cost, uint32_t n)
 {
@@ -67,7 +67,7 @@ least_cost(const double *cost, uint32_t n)
 void
 partition_set_costs(struct partition *p, double *cost)
 {
-    uint32_t n = partition_parts(p);
+    uint32_t n = partition_areas(p);
     double least = least_cost(cost, n);
 
     p->cost_total = 0;

@@ -70,13 +70,13 @@ void partition_open(struct partition *p, uint32_t frames);
 uint32_t partition_waiting(const struct partition *p);
 
 /* --- costs ---
- * A part has a cost of its own.  Parts are the windows, or the lines of all
+ * An area has a cost of its own.  Areas are the windows, or the lines of all
  * frames, frame after frame. */
-uint32_t partition_parts(const struct partition *p);
-void partition_part(const struct partition *p, uint32_t part,
-                    struct partition_area *area);
+uint32_t partition_areas(const struct partition *p);
+void partition_nth_area(const struct partition *p, uint32_t n,
+                        struct partition_area *area);
 
-/* Estimated costs of all parts, before any unit went out; costs that are too
+/* Estimated costs of all areas, before any unit went out; costs that are too
  * small are raised. */
 void partition_set_costs(struct partition *p, double *cost);
 

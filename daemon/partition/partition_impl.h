@@ -89,9 +89,9 @@ void lines_free(struct partition_lines *s);
 double *lines_first_costs(const struct partition_lines *s,
                           const struct partition_spec *spec);
 void lines_set_costs(struct partition *p, const double *cost);
-void lines_part(const struct partition *p, uint32_t part,
-                struct partition_area *area);
-uint32_t lines_parts(const struct partition *p);
+void lines_nth_area(const struct partition *p, uint32_t n,
+                    struct partition_area *area);
+uint32_t lines_areas(const struct partition *p);
 /* The number of lines in no unit, of frames that may begin. */
 uint32_t lines_free_count(const struct partition *p);
 void lines_done(struct partition *p, uint32_t unit);

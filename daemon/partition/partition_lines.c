@@ -194,20 +194,20 @@ lines_free(struct partition_lines *s)
 }
 
 uint32_t
-lines_parts(const struct partition *p)
+lines_areas(const struct partition *p)
 {
     return p->lines->nlines;
 }
 
 static const struct frame *
-frame_of(const struct partition_lines *s, uint32_t part)
+frame_of(const struct partition_lines *s, uint32_t area)
 {
     uint32_t lo = 0, hi = s->nframes;
 
     while (hi - lo > 1) {
         uint32_t mid = (lo + hi) / 2;
 
-        if (s->frame[mid].first <= part)
+        if (s->frame[mid].first <= area)
             lo = mid;
         else
             hi = mid;
@@ -216,12 +216,12 @@ frame_of(const struct partition_lines *s, uint32_t part)
 }
 
 void
-lines_part(const struct partition *p, uint32_t part,
-           struct partition_area *area)
+lines_nth_area(const struct partition *p, uint32_t n,
+               struct partition_area *area)
 {
     const struct partition_lines *s = p->lines;
-    const struct frame *f = frame_of(s, part);
-    uint32_t line = part - f->first, y = top_row(s, f, line);
+    const struct frame *f = frame_of(s, n);
+    uint32_t line = n - f->first, y = top_row(s, f, line);
 
     *area = (struct partition_area){ (uint32_t)(f - s->frame), 0, y, f->width,
                                      base_row(s, f, line) + 1 - y };

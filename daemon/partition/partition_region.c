@@ -16,8 +16,8 @@
  *   after the other, so that workers are at different places.  A unit that is
  *   too large is given away in part later.
  *   Frames of fewer lines go from the top down: units above are a little
- * further than units below, base lines arrive before they are needed, and rows
- * are done from the top down.  Their units do not shrink at first. */
+ *   further than units below, base lines arrive before they are needed, and
+ *   rows are done from the top down.  Their units do not shrink at first. */
 #include "config.h"
 
 #include "partition/partition_lines.h"

@@ -275,7 +275,7 @@ take_filed(const struct recovery *r)
     job->goal.rungs[0] = s->last.rungs[0];
     job->goal.rungs[1] = s->last.rungs[1];
     job->goal.number = s->last.stage;
-    job->goal.ended = s->last.ended;
+    job->goal.state = s->last.ended ? GOAL_REACHED : GOAL_AHEAD;
     job->goal.error = s->last.goal_error;
     job->kept_bytes = s->kept_bytes;
     job->cache.bytes = s->cache_bytes;

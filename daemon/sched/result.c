@@ -89,7 +89,7 @@ put_rows(struct coord *c, const struct job *job, uint32_t index,
         return;
     r = &act->rows;
     *r = (struct action_rows){ .sequence = job->sequence,
-                               .worker = index,
+                               .part = index,
                                .unit = m->unit,
                                .attempt = m->attempt,
                                .row = m->row,
@@ -425,7 +425,7 @@ result_stored(struct coord *c, const struct action_rows *key)
 
     if (!job || job_over(job))
         return;
-    w = job->parts[key->worker].worker;
+    w = job->parts[key->part].worker;
     u = &job->units[key->unit];
     if (w->conn != 0)
         desk_send_ack(c, w->conn,

@@ -1,10 +1,10 @@
 /* survey.c - see survey.h
  *
- * With --estimate=NNa or NNb workers trace NN random pixels of each part (a
+ * With --estimate=NNa or NNb workers trace NN random pixels of each area (a
  * line or a window) before the first unit goes out, and count rays (a) or
- * intersection tests (b).  Parts go out in chunks; when all have gone out, a
+ * intersection tests (b).  Areas go out in chunks; when all have gone out, a
  * chunk that is not answered in time goes to another worker, too.  The pixels
- * follow from the part, so the costs do not depend on which worker answers
+ * follow from the area, so the costs do not depend on which worker answers
  * first.  If two children die of a chunk the estimate is given up: units will
  * tell which pixel it was.  A chunk takes seconds, so a worker ends it whatever
  * comes first by then. */
@@ -28,19 +28,19 @@
 #define LATE_MS         2000 /* then a chunk goes to another worker, too */
 
 struct chunk {
-    uint32_t first, n; /* parts [first, first + n) */
+    uint32_t first, n; /* areas [first, first + n) */
     uint32_t holders, crashes;
     bool done;
     uint64_t out_ms; /* when it last went to a worker */
 };
 
 struct survey {
-    uint32_t rays;          /* pixels to trace of each part */
+    uint32_t rays;          /* pixels to trace of each area */
     bool tests;             /* costs are intersection tests, else rays */
     bool failed;            /* the estimate is given up */
     uint32_t nchunks, left; /* left: chunks that are not done */
     struct chunk *chunk;
-    double *cost;      /* of each part */
+    double *cost;      /* of each area */
     uint64_t begin_ms; /* when the first ESTIMATE was sent; 0: not yet */
 };
 
@@ -72,7 +72,7 @@ survey_free(struct survey *s)
 int
 survey_begin(struct job *job, uint32_t workers, struct rad_error *err)
 {
-    uint32_t rays, n = partition_parts(job->partition), size;
+    uint32_t rays, n = partition_areas(job->partition), size;
     struct survey *s;
     bool tests;
 
@@ -131,7 +131,7 @@ send_chunk(struct coord *c, const struct job *job, const struct job_part *part,
     for (uint32_t i = 0; i < k->n; i++) {
         struct partition_area a;
 
-        partition_part(job->partition, k->first + i, &a);
+        partition_nth_area(job->partition, k->first + i, &a);
         v[i] = (struct msg_area){ a.frame, a.x, a.y, a.width, a.height };
     }
     m.estimate = (struct msg_estimate){ job->id, (uint32_t)(k - s->chunk),
@@ -210,15 +210,15 @@ survey_crashed(struct coord *c, struct job *job, uint32_t chunk)
     job->survey->failed = true;
 }
 
-/* The cost of a part, scaled from its traced pixels to all. */
+/* The cost of an area, scaled from its traced pixels to all. */
 static double
-scaled(const struct survey *s, const struct job *job, uint32_t part,
+scaled(const struct survey *s, const struct job *job, uint32_t area,
        const struct msg_cost *cost)
 {
     struct partition_area a;
     double pixels, traced = s->rays;
 
-    partition_part(job->partition, part, &a);
+    partition_nth_area(job->partition, area, &a);
     pixels = (double)a.width * a.height;
     if (traced > pixels)
         traced = pixels;

@@ -1,4 +1,4 @@
-/* survey.h - an estimate of the costs of a job's parts before its units go out
+/* survey.h - an estimate of the costs of a job's areas before its units go out
  *
  * See survey.c.
  * Thread: the coordinator's loop. */

@@ -228,7 +228,7 @@ static void
 to_attempt(struct worker *w, struct wjob *job, const struct msg *m,
            uint32_t unit, uint32_t attempt)
 {
-    if (wjob_find_unit(job, unit, attempt))
+    if (wjob_find_attempt(job, unit, attempt))
         worker_send_child(w, job, m);
 }
 
@@ -268,24 +268,24 @@ on_loan(struct worker *w, struct wjob *job, const struct msg *m)
     w->progress++;
     if (job->state != WJOB_READY || l->frame >= job->nframes ||
         l->channels != job->channels ||
-        wjob_find_unit(job, l->unit, l->attempt))
+        wjob_find_attempt(job, l->unit, l->attempt))
         return;
-    if (!wjob_add_unit(job, l->unit, l->attempt)) {
+    if (!wjob_add_attempt(job, l->unit, l->attempt)) {
         w->actions.failed = true;
         return;
     }
-    wjob_find_unit(job, l->unit, l->attempt)->loan = true;
+    wjob_find_attempt(job, l->unit, l->attempt)->loan = true;
     to_child(w, job, m, (size_t)l->n * l->channels * 8);
 }
 
 static void
 on_back(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wunit *u = wjob_find_unit(job, m->back.unit, m->back.attempt);
+    struct wattempt *a = wjob_find_attempt(job, m->back.unit, m->back.attempt);
 
-    if (!u)
+    if (!a)
         return;
-    u->parked = false;
+    a->parked = false;
     worker_send_child(w, job, m);
 }
 
@@ -458,11 +458,12 @@ pass_up(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_parked(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wunit *u = wjob_find_unit(job, m->parked.unit, m->parked.attempt);
+    struct wattempt *a =
+        wjob_find_attempt(job, m->parked.unit, m->parked.attempt);
 
-    if (!u)
+    if (!a)
         return; /* revoked meanwhile */
-    u->parked = true;
+    a->parked = true;
     pass_up(w, job, m);
 }
 
@@ -470,11 +471,12 @@ child_parked(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wunit *u = wjob_find_unit(job, m->resumed.unit, m->resumed.attempt);
+    struct wattempt *a =
+        wjob_find_attempt(job, m->resumed.unit, m->resumed.attempt);
 
     (void)w;
-    if (u)
-        u->parked = false;
+    if (a)
+        a->parked = false;
 }
 
 /* Pass PAID on even if the loan was revoked meanwhile, for no other message
@@ -484,10 +486,10 @@ child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_paid(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wunit *u = wjob_find_unit(job, m->paid.unit, m->paid.attempt);
+    struct wattempt *a = wjob_find_attempt(job, m->paid.unit, m->paid.attempt);
 
-    if (u && u->loan)
-        wjob_drop_unit(job, u->unit, u->attempt);
+    if (a && a->loan)
+        wjob_drop_attempt(job, a->unit, a->number);
     if (job->tally.busy_s == 0)
         worker_send_tally(w, job);
     msg_counts_add(w->coord_state == COORD_WELCOME ? &job->paid : &job->unpaid,
@@ -498,29 +500,29 @@ child_paid(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_gave(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wunit *u = wjob_find_unit(job, m->gave.unit, m->gave.attempt);
+    struct wattempt *a = wjob_find_attempt(job, m->gave.unit, m->gave.attempt);
 
-    if (!u)
+    if (!a)
         return;
-    u->height = m->gave.height;
-    if (u->height == 0)
-        wjob_drop_unit(job, u->unit, u->attempt);
+    a->height = m->gave.height;
+    if (a->height == 0)
+        wjob_drop_attempt(job, a->unit, a->number);
     pass_up(w, job, m);
 }
 
 /* Tell the child that all columns which it lent of the unit are its own again.
  */
 static void
-give_back(struct worker *w, struct wjob *job, struct wunit *u)
+give_back(struct worker *w, struct wjob *job, struct wattempt *a)
 {
     const struct msg m = { .type = MSG_BACK,
                            .back = { .job = job->id,
-                                     .unit = u->unit,
-                                     .attempt = u->attempt,
-                                     .line = u->line } };
+                                     .unit = a->unit,
+                                     .attempt = a->number,
+                                     .line = a->line } };
 
-    u->lends = false;
-    u->parked = false;
+    a->lends = false;
+    a->parked = false;
     worker_send_child(w, job, &m);
 }
 
@@ -528,24 +530,24 @@ void
 relay_cut(struct worker *w)
 {
     for (struct wjob *job = w->jobs; job; job = job->next)
-        for (uint32_t i = 0; i < job->nunits; i++)
-            if (job->units[i].lends)
-                give_back(w, job, &job->units[i]);
+        for (uint32_t i = 0; i < job->nattempts; i++)
+            if (job->attempts[i].lends)
+                give_back(w, job, &job->attempts[i]);
 }
 
 static void
 child_loan(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wunit *u = wjob_find_unit(job, m->loan.unit, m->loan.attempt);
+    struct wattempt *a = wjob_find_attempt(job, m->loan.unit, m->loan.attempt);
 
-    if (!u)
+    if (!a)
         return;
-    u->lends = true;
-    u->line = m->loan.line;
+    a->lends = true;
+    a->line = m->loan.line;
     if (w->coord_state == COORD_WELCOME)
         pass_up(w, job, m);
     else
-        give_back(w, job, u); /* nobody can borrow now */
+        give_back(w, job, a); /* nobody can borrow now */
 }
 
 static void

@@ -19,9 +19,9 @@
 #include "ground/lossy.h"
 #include "worker/worker.h"
 
-/* An attempt at a unit that the job's child has. */
-struct wunit {
-    uint32_t unit, attempt;
+/* An attempt at a unit, or a loan, that the job's child has. */
+struct wattempt {
+    uint32_t unit, number;
     uint32_t height; /* rows; not set for a loan */
     bool parked;     /* the child can only wait for others */
     bool loan;       /* columns that another worker lends; over when PAID */
@@ -116,8 +116,8 @@ struct wjob {
     struct msg_counts unpaid; /* in PAIDs that could not be sent on */
     uint64_t bytes_in, bytes_out;
     uint64_t base_line_bytes, base_line_pixels; /* as in msg_tally */
-    struct wunit *units; /* units that the child has, in the order they came */
-    size_t nunits;
+    struct wattempt *attempts; /* in the order in which they came */
+    size_t nattempts;
     size_t kept_bytes;               /* of kept */
     struct wkept *kept, **kept_tail; /* the oldest first */
     struct wpeer *peers;

@@ -32,57 +32,58 @@ wjob_drop_kept(struct wjob *job, struct wkept **link)
     free(k);
 }
 
-struct wunit *
-wjob_find_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+struct wattempt *
+wjob_find_attempt(const struct wjob *job, uint32_t unit, uint32_t attempt)
 {
-    for (size_t i = 0; i < job->nunits; i++)
-        if (job->units[i].unit == unit && job->units[i].attempt == attempt)
-            return &job->units[i];
+    for (size_t i = 0; i < job->nattempts; i++)
+        if (job->attempts[i].unit == unit && job->attempts[i].number == attempt)
+            return &job->attempts[i];
     return NULL;
 }
 
 bool
-wjob_has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+wjob_has_attempt(const struct wjob *job, uint32_t unit, uint32_t attempt)
 {
-    return wjob_find_unit(job, unit, attempt) != NULL;
+    return wjob_find_attempt(job, unit, attempt) != NULL;
 }
 
 void
-wjob_drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
+wjob_drop_attempt(struct wjob *job, uint32_t unit, uint32_t attempt)
 {
-    for (size_t i = 0; i < job->nunits; i++)
-        if (job->units[i].unit == unit && job->units[i].attempt == attempt) {
-            memmove(job->units + i, job->units + i + 1,
-                    (job->nunits - i - 1) * sizeof *job->units);
-            job->nunits--;
+    for (size_t i = 0; i < job->nattempts; i++)
+        if (job->attempts[i].unit == unit &&
+            job->attempts[i].number == attempt) {
+            memmove(job->attempts + i, job->attempts + i + 1,
+                    (job->nattempts - i - 1) * sizeof *job->attempts);
+            job->nattempts--;
             return;
         }
 }
 
 bool
-wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
+wjob_add_attempt(struct wjob *job, uint32_t unit, uint32_t attempt)
 {
-    if (!rad_list_grow(&job->units, job->nunits, sizeof *job->units))
+    if (!rad_list_grow(&job->attempts, job->nattempts, sizeof *job->attempts))
         return false;
-    job->units[job->nunits++] =
-        (struct wunit){ .unit = unit, .attempt = attempt };
+    job->attempts[job->nattempts++] =
+        (struct wattempt){ .unit = unit, .number = attempt };
     return true;
 }
 
 void
-wjob_drop_units(struct wjob *job)
+wjob_drop_attempts(struct wjob *job)
 {
     for (struct wkept **link = &job->kept; *link;)
-        if (wjob_has_unit(job, (*link)->unit, (*link)->attempt))
+        if (wjob_has_attempt(job, (*link)->unit, (*link)->attempt))
             wjob_drop_kept(job, link);
         else
             link = &(*link)->next;
-    job->nunits = 0;
+    job->nattempts = 0;
 }
 
 void
-wjob_revoke_unit(struct worker *w, struct wjob *job, uint32_t unit,
-                 uint32_t attempt)
+wjob_revoke_attempt(struct worker *w, struct wjob *job, uint32_t unit,
+                    uint32_t attempt)
 {
     struct msg m = { .type = MSG_REVOKE, .revoke = { job->id, unit, attempt } };
 
@@ -91,7 +92,7 @@ wjob_revoke_unit(struct worker *w, struct wjob *job, uint32_t unit,
             wjob_drop_kept(job, link);
         else
             link = &(*link)->next;
-    wjob_drop_unit(job, unit, attempt);
+    wjob_drop_attempt(job, unit, attempt);
     worker_send_child(w, job, &m);
 }
 
@@ -126,7 +127,7 @@ wjob_free(struct wjob *job)
     lossy_release(&job->to_child);
     free(job->start);
     free(job->files);
-    free(job->units);
+    free(job->attempts);
     free(job);
 }
 
@@ -248,13 +249,13 @@ wjob_send_lost(struct worker *w, struct wjob *job, int status, const char *text)
                                list } };
     bool local = worker_status_is_local(status);
 
-    for (size_t i = 0; !local && i < job->nunits &&
+    for (size_t i = 0; !local && i < job->nattempts &&
                        m.lost.nunits < w->env.threads && m.lost.nunits < 64;
          i++)
-        if (!job->units[i].parked)
-            list[m.lost.nunits++] = job->units[i].unit;
+        if (!job->attempts[i].parked)
+            list[m.lost.nunits++] = job->attempts[i].unit;
     worker_send_coord(w, &m);
-    wjob_drop_units(job);
+    wjob_drop_attempts(job);
     job->state = WJOB_IDLE;
 }
 

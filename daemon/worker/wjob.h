@@ -25,17 +25,17 @@ void wjob_kill_child(struct worker *w, struct wjob *job);
 void wjob_send_lost(struct worker *w, struct wjob *job, int status,
                     const char *text);
 /* The attempt, if the child has it; else NULL. */
-struct wunit *wjob_find_unit(const struct wjob *job, uint32_t unit,
-                             uint32_t attempt);
-bool wjob_has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt);
+struct wattempt *wjob_find_attempt(const struct wjob *job, uint32_t unit,
+                                   uint32_t attempt);
+bool wjob_has_attempt(const struct wjob *job, uint32_t unit, uint32_t attempt);
 /* False: memory is out. */
-bool wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt);
-void wjob_drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt);
+bool wjob_add_attempt(struct wjob *job, uint32_t unit, uint32_t attempt);
+void wjob_drop_attempt(struct wjob *job, uint32_t unit, uint32_t attempt);
 /* Forget all units that are not finished, and their kept rows. */
-void wjob_drop_units(struct wjob *job);
+void wjob_drop_attempts(struct wjob *job);
 /* Forget a unit and its kept rows, and tell the child (REVOKE). */
-void wjob_revoke_unit(struct worker *w, struct wjob *job, uint32_t unit,
-                      uint32_t attempt);
+void wjob_revoke_attempt(struct worker *w, struct wjob *job, uint32_t unit,
+                         uint32_t attempt);
 /* Keep the bytes of a RESULT until it is acknowledged; false: memory is out. */
 bool wjob_keep(struct wjob *job, const struct msg_result *r,
                const uint8_t *bytes, size_t len);

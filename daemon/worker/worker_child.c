@@ -43,7 +43,7 @@ child_result(struct worker *w, struct wjob *job, const struct msg *m)
     struct msg pass = *m;
     const struct msg_result *r = &m->result;
 
-    if (!wjob_has_unit(job, r->unit, r->attempt))
+    if (!wjob_has_attempt(job, r->unit, r->attempt))
         return; /* the unit was revoked meanwhile */
     pass.result.job = job->id;
     pass.request = 0;
@@ -55,7 +55,7 @@ child_result(struct worker *w, struct wjob *job, const struct msg *m)
     w->progress++;
     job->bytes_out += out->len;
     if (r->last)
-        wjob_drop_unit(job, r->unit, r->attempt);
+        wjob_drop_attempt(job, r->unit, r->attempt);
     if (w->coord_state == COORD_WELCOME && job->started)
         actions_send_bytes(&w->actions, w->coord, out->buf, out->len);
 }
@@ -96,7 +96,7 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
                 m->failed.text);
     worker_send_coord(w, &failed);
     wjob_kill_child(w, job);
-    wjob_drop_units(job);
+    wjob_drop_attempts(job);
     job->state = WJOB_IDLE;
 }
 
@@ -153,7 +153,7 @@ worker_watch_children(struct worker *w)
 
     for (struct wjob *job = w->jobs; job; job = job->next) {
         bool at_work =
-            job->state == WJOB_LOADING || job->nunits > 0 || has_tiles(job);
+            job->state == WJOB_LOADING || job->nattempts > 0 || has_tiles(job);
 
         if (!job->child || !at_work || job->held)
             job->heard_ms = w->awake_ms;

@@ -101,25 +101,26 @@ on_chunk(struct worker *w, const struct msg *m)
 static void
 drop_loans(struct worker *w, struct wjob *job)
 {
-    for (size_t i = job->nunits; i-- > 0;)
-        if (job->units[i].loan)
-            wjob_revoke_unit(w, job, job->units[i].unit, job->units[i].attempt);
+    for (size_t i = job->nattempts; i-- > 0;)
+        if (job->attempts[i].loan)
+            wjob_revoke_attempt(w, job, job->attempts[i].unit,
+                                job->attempts[i].number);
 }
 
-/* Name the units that the child has. */
+/* Name the attempts that the child has. */
 static void
 say_still(struct worker *w, const struct wjob *job)
 {
-    for (size_t i = 0; i < job->nunits; i++) {
-        const struct wunit *u = &job->units[i];
+    for (size_t i = 0; i < job->nattempts; i++) {
+        const struct wattempt *a = &job->attempts[i];
         struct msg still = { .type = MSG_STILL,
-                             .still = { job->id, u->unit, u->attempt,
-                                        u->height } };
+                             .still = { job->id, a->unit, a->number,
+                                        a->height } };
         struct msg parked = { .type = MSG_PARKED,
-                              .parked = { job->id, u->unit, u->attempt } };
+                              .parked = { job->id, a->unit, a->number } };
 
         worker_send_coord(w, &still);
-        if (u->parked)
+        if (a->parked)
             worker_send_coord(w, &parked);
     }
 }
@@ -129,7 +130,7 @@ static void
 repeat_rows(struct worker *w, const struct wjob *job)
 {
     /* before the rows: a unit is not complete without its bottom */
-    if ((job->kept || job->nunits > 0) && w->coord_state == COORD_WELCOME)
+    if ((job->kept || job->nattempts > 0) && w->coord_state == COORD_WELCOME)
         relay_repeat(w, job);
     for (const struct wkept *k = job->kept; k; k = k->next)
         actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);
@@ -196,11 +197,11 @@ on_unit(struct worker *w, const struct msg *m)
 
     if (!job || job->state != WJOB_READY)
         return; /* the coordinator is about to hear that the child is gone */
-    if (!wjob_add_unit(job, m->unit.unit, m->unit.attempt)) {
+    if (!wjob_add_attempt(job, m->unit.unit, m->unit.attempt)) {
         w->actions.failed = true;
         return;
     }
-    job->units[job->nunits - 1].height = m->unit.height;
+    job->attempts[job->nattempts - 1].height = m->unit.height;
     w->progress++;
     worker_send_child(w, job, m);
 }
@@ -211,8 +212,8 @@ on_revoke(struct worker *w, const struct msg *m)
     const struct msg_attempt *r = &m->revoke;
     struct wjob *job = worker_find_job(w, r->job);
 
-    if (job && wjob_has_unit(job, r->unit, r->attempt))
-        wjob_revoke_unit(w, job, r->unit, r->attempt);
+    if (job && wjob_has_attempt(job, r->unit, r->attempt))
+        wjob_revoke_attempt(w, job, r->unit, r->attempt);
 }
 
 static void

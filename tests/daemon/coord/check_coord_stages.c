@@ -102,7 +102,7 @@ TEST(what_is_far_off_has_another_stage)
     ck_assert_str_ne(st->params, job->spec.params);
     ck_assert_uint_eq(state().open, 0);
     ck_assert_uint_eq(f.units[WORKER], 0);
-    ck_assert(job->goal.error > .9 && !job->goal.ended);
+    ck_assert(job->goal.error > .9 && job->goal.state == GOAL_AHEAD);
     /* one that is late gets this stage alone */
     made(WORKER, PASSES + 1, 0, 1);
     for (uint32_t i = 1; i < tiles_of(0); i++)
@@ -129,7 +129,7 @@ TEST(what_is_good_enough_has_no_other_stage)
     ready(WORKER, job_a);
     make_stage(WORKER, 0, 1e-6);
     job = desk_find_job(f.c, job_a);
-    ck_assert(job->goal.ended && !job->goal.late && job->goal.number == 0);
+    ck_assert(job->goal.state == GOAL_REACHED && job->goal.number == 0);
     ck_assert(job->goal.error > 0 && job->goal.error <= .05);
     ck_assert_int_eq(jobtext_params(job->spec.params, &own, NULL), 0);
     rad_params_format(&own, text, sizeof text);
@@ -153,7 +153,7 @@ TEST(without_time_there_is_no_other_stage)
     f.now_ms += 5000;
     make_stage(WORKER, 0, 1);
     job = desk_find_job(f.c, job_a);
-    ck_assert(job->goal.ended && job->goal.late);
+    ck_assert(job->goal.state == GOAL_SHORT);
 }
 
 static double
@@ -202,7 +202,7 @@ TEST(time_left_of_the_picture_begins_with_the_picture)
     for (int i = 0; i < 10; i++)
         ck_assert_double_eq(left_s(), 0);
     job = desk_find_job(f.c, job_a);
-    ck_assert(job->goal.ended);
+    ck_assert_int_ne(job->goal.state, GOAL_AHEAD);
     ck_assert_uint_eq(job->pace.nlooks, 2);
 }
 
@@ -218,7 +218,7 @@ TEST(what_passes_took_before_a_restart_counts)
     tile_cpu_s = 30;
     make_stage(WORKER, 0, 1);
     job = desk_find_job(f.c, job_a);
-    ck_assert(job->goal.ended && job->goal.late);
+    ck_assert(job->goal.state == GOAL_SHORT);
     tile_rays = 0;
     tile_cpu_s = 0;
 }
@@ -241,7 +241,7 @@ TEST(a_later_life_takes_up_what_the_clock_chose)
     make_stage(WORKER, 0, 1);
     job = desk_find_job(f.c, job_a);
     goal = job->goal;
-    ck_assert(!goal.ended && goal.number == 1 && goal.by_clock);
+    ck_assert(goal.state == GOAL_AHEAD && goal.number == 1 && goal.by_clock);
     ck_assert_uint_ne((goal.rungs[0] | goal.rungs[1]) >> 6, 0);
     stages_pack(f.c, job, bytes);
     pass[PASSES].len = sizeof bytes;

@@ -266,7 +266,7 @@ TEST(windows_go_out_by_cost)
     partition_free(p);
     spec.ncosts = 0;
     p = partition_new(&spec, NULL);
-    ck_assert_uint_eq(partition_parts(p), 4);
+    ck_assert_uint_eq(partition_areas(p), 4);
     partition_set_costs(p, cost);
     for (int i = 0; i < 4; i++)
         ck_assert(next(p, &unit) && unit == want[i]);

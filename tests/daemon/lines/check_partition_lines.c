@@ -82,14 +82,14 @@ TEST(lines_are_base_lines_with_the_bar_above)
 
     ck_assert_uint_eq(partition_lines(p, 0), LINES);
     ck_assert_uint_eq(partition_lines(p, 7), 0);
-    ck_assert_uint_eq(partition_parts(p), 2 * LINES);
-    partition_part(p, 0, &a);
+    ck_assert_uint_eq(partition_areas(p), 2 * LINES);
+    partition_nth_area(p, 0, &a);
     ck_assert(a.y == 0 && a.height == 1);
-    partition_part(p, 1, &a);
+    partition_nth_area(p, 1, &a);
     ck_assert(a.y == 1 && a.height == 3);
-    partition_part(p, LINES - 1, &a);
+    partition_nth_area(p, LINES - 1, &a);
     ck_assert_uint_eq(a.y, 58);
-    partition_part(p, LINES + 1, &a);
+    partition_nth_area(p, LINES + 1, &a);
     ck_assert(a.frame == 1 && a.y == 1 && a.height == 3 && a.width == 40);
     ck_assert_double_eq(partition_cost_total(p), 2 * 40 * 61);
     ck_assert_uint_eq(partition_line_unit(p, 0, 3), PARTITION_NONE);
