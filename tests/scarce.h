@@ -7,6 +7,7 @@
 
 #include "ground/sanitized.h"
 
+#include <errno.h>
 #include <stdlib.h>
 
 static long scarce_at; /* so many allocations from now on, one fails; 0: none */
@@ -19,7 +20,10 @@ extern void *__libc_realloc(void *p, size_t n);
 static inline int
 scarce_now(void)
 {
-    return scarce_at > 0 && --scarce_at == 0;
+    if (scarce_at == 0 || --scarce_at > 0)
+        return 0;
+    errno = ENOMEM;
+    return 1;
 }
 
 void *

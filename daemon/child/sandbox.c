@@ -211,13 +211,16 @@ fill_seal(scmp_filter_ctx f)
     return rc;
 }
 
-/* Put a filter on all threads; 0 or a negative errno. */
+/* Put a filter on all threads; 0 or a negative errno.  Where the library cannot
+ * allocate it may load a filter that lacks calls, and say nothing: errno alone
+ * tells. */
 static int
 put_on(uint32_t otherwise, int (*fill)(scmp_filter_ctx f))
 {
     scmp_filter_ctx f = seccomp_init(otherwise);
     int rc = f ? 0 : -ENOMEM;
 
+    errno = 0;
     if (rc == 0)
         rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_NNP, 0); /* is set already */
     if (rc == 0)
@@ -230,6 +233,8 @@ put_on(uint32_t otherwise, int (*fill)(scmp_filter_ctx f))
         rc = fill(f);
     if (rc == 0)
         rc = seccomp_load(f);
+    if (errno == ENOMEM)
+        rc = -ENOMEM;
     seccomp_release(f);
     return rc;
 }
@@ -321,9 +326,12 @@ close_others(void)
 #endif
 }
 
+/* A kernel may lack a sandbox that is not required; memory may not. */
 static int
 failed(int rc, bool required, struct rad_error *err)
 {
+    if (rc == -ENOMEM)
+        return rad_fail_memory(err);
     return rc < 0 && required
                ? rad_fail(err, RAD_EPERM, "no sandbox: %s", strerror(-rc))
                : 0;

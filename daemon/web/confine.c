@@ -70,16 +70,21 @@ fill(scmp_filter_ctx f)
     return rc;
 }
 
+/* 0 or a negative errno.  Where the library cannot allocate it may load a
+ * filter that lacks calls, and say nothing: errno alone tells. */
 static int
 put_on(void)
 {
     scmp_filter_ctx f = seccomp_init(SCMP_ACT_ALLOW);
     int rc = f ? seccomp_attr_set(f, SCMP_FLTATR_CTL_TSYNC, 1) : -ENOMEM;
 
+    errno = 0;
     if (rc == 0)
         rc = fill(f);
     if (rc == 0)
         rc = seccomp_load(f);
+    if (errno == ENOMEM)
+        rc = -ENOMEM;
     seccomp_release(f);
     return rc;
 }

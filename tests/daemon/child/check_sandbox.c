@@ -7,6 +7,7 @@
 #include "child/sandbox.h"
 
 #include "ground/sanitized.h"
+#include "tests/scarce.h"
 #include "tests/scratch.h"
 
 #include <fcntl.h>
@@ -419,6 +420,54 @@ LOOP_TEST(while_loading_only_its_folder_is_open, N_ELEM(table))
 LOOP_TEST(once_loaded_nothing_is, N_ELEM(table))
 {
     check_tried(_i, true);
+}
+
+enum { NO_MORE = 3 }; /* exit status: nothing was left to refuse */
+
+/* The status of a process whose sandbox lacks the memory of one allocation; an
+ * exit with 1: that sandbox is on, and does not keep it from opening files.
+ * libseccomp may end such a process, or try for ever. */
+static int
+begun_without(long allocation, bool sealed)
+{
+    struct rlimit patience = { 1, 2 }; /* s of processor time */
+    int status, rc;
+    pid_t pid = fork();
+
+    if (pid == 0) {
+        freopen("/dev/null", "w", stderr);
+        setrlimit(RLIMIT_CPU, &patience);
+        if (sealed && sandbox_begin(dir, true, NULL) < 0)
+            _exit(2);
+        scarce_at = allocation;
+        rc = sealed ? sandbox_seal(false, NULL)
+                    : sandbox_begin(dir, false, NULL);
+        if (scarce_at > 0)
+            _exit(NO_MORE);
+        _exit(rc == 0 && opens(inside, sealed ? O_RDONLY : O_WRONLY) ? 1 : 0);
+    }
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    return status;
+}
+
+static void
+check_begun_without(long allocation, bool sealed, int *status)
+{
+    *status = begun_without(allocation, sealed);
+    ck_assert_msg(!WIFEXITED(*status) || WEXITSTATUS(*status) == 0 ||
+                      WEXITSTATUS(*status) == NO_MORE,
+                  "allocation %ld: status %#x", allocation, (unsigned)*status);
+}
+
+/* Even where the sandbox is not required. */
+TEST(what_lacks_memory_is_no_sandbox)
+{
+    int status = 0;
+
+    for (long i = 1; i <= 10; i++)
+        check_begun_without(i, false, &status);
+    for (long i = 1; !WIFEXITED(status) || WEXITSTATUS(status) != NO_MORE; i++)
+        check_begun_without(i, true, &status);
 }
 
 /* How it crashed must still be told. */
