@@ -434,17 +434,13 @@ may_pass(int code)
     return code == RAD_EFULL || code == RAD_ENOMEM || code == RAD_ESHORT;
 }
 
-/* If the log is long, carry its pages over into the database.  For such a lack
- * they may stay in the log: what is committed lasts there, too. */
+/* Carry the log's pages over into the database.  For such a lack they may stay
+ * in the log: what is committed lasts there, too. */
 static int
-check_point(struct journal *j, struct rad_error *err)
+check_point(struct journal *j, int mode, struct rad_error *err)
 {
-    int rc;
+    int rc = sqlite3_wal_checkpoint_v2(j->db, NULL, mode, NULL, NULL);
 
-    if (j->wal_pages < WAL_PAGES)
-        return 0;
-    rc = sqlite3_wal_checkpoint_v2(j->db, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL,
-                                   NULL);
     if (rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY ||
         may_pass(code_of(j, rc)))
         return 0;
@@ -465,7 +461,19 @@ journal_commit(struct journal *j, struct rad_error *err)
         return rc;
     j->in_transaction = false;
     sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
-    return check_point(j, err);
+    if (j->crammed)
+        return journal_give_room(j, err);
+    return j->wal_pages < WAL_PAGES
+               ? 0
+               : check_point(j, SQLITE_CHECKPOINT_PASSIVE, err);
+}
+
+/* A transaction of its own connection would keep SQLite from it. */
+int
+journal_give_room(struct journal *j, struct rad_error *err)
+{
+    j->crammed = j->in_transaction;
+    return j->crammed ? 0 : check_point(j, SQLITE_CHECKPOINT_TRUNCATE, err);
 }
 
 void

@@ -78,6 +78,10 @@ int journal_forget(struct journal *j, const struct saved_gone *g,
 
 int journal_commit(struct journal *j, struct rad_error *err);
 void journal_rollback(struct journal *j);
+/* The disk lacks room: empty the log, whose pages the database takes, at once
+ * or else when what was put is committed.  If the database lacks room, too, the
+ * log stays, and 0 is returned. */
+int journal_give_room(struct journal *j, struct rad_error *err);
 
 /* --- reading --- */
 

@@ -64,6 +64,7 @@ struct journal {
     int undone;    /* code for which SQLite undid the transaction; 0: it did
                     * not */
     int wal_pages; /* pages in the log at the last commit */
+    bool crammed;  /* the next commit empties the log */
 };
 
 /* Turn an error code of SQLite into a RAD_E code, with *err; also note whether

@@ -57,6 +57,8 @@ settle(void *arg, struct rad_error *err)
         rc = journal_commit(s->journal, err);
     if (rc < 0 && s->journal)
         journal_rollback(s->journal);
+    if (rc == RAD_EFULL)
+        rc = store_shorten_log(s, rc, err);
     return rc;
 }
 

@@ -103,6 +103,9 @@ void store_free_task(struct task *t);
 /* Push a task that writes and whose effect must last: it is held while the disk
  * is full, and its done() is called when its effect is on the disk. */
 void store_push_lasting(struct store *s, struct task *t);
+/* The disk lacks room: let the database's log give back what it holds, for the
+ * next try.  Returns rc or, if that fails, another code, of *err. */
+int store_shorten_log(struct store *s, int rc, struct rad_error *err);
 
 /* --- store.c --- */
 

@@ -133,7 +133,7 @@ open_run(struct task *t)
     if (rc == 0 && s->journal)
         rc = journal_put_job(s->journal, &o->saved, &t->err);
     o->opened = rc == 0;
-    return rc;
+    return rc == RAD_EFULL ? store_shorten_log(s, rc, &t->err) : rc;
 }
 
 static int

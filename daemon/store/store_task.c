@@ -69,3 +69,15 @@ store_settle(struct store *s, uint64_t conn, uint32_t request)
     w->task.awaited = true;
     store_push_lasting(s, &w->task);
 }
+
+int
+store_shorten_log(struct store *s, int rc, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    if (s->journal && journal_give_room(s->journal, &why) < 0) {
+        *err = why;
+        rc = why.code;
+    }
+    return rc;
+}

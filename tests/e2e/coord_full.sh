@@ -177,13 +177,13 @@ if [ $FULL_TMPFS = yes ]; then
         fail "what came of a refused scene is not removed"
     rm state/ballast
 
-    # one that waits for more than there is waits alone; beside it, and what the
-    # others left, the log of the database has its 4 MB
+    # one that waits for more than there is waits alone; the log of the database
+    # gives back what it holds
     fill
     rm state/crumbs
     truncate -s -4M state/ballast
     # shellcheck disable=SC2086
-    "$radsubmit" --coordinator="$sock" --name=more $view -x 1600 -y 1200 \
+    "$radsubmit" --coordinator="$sock" --name=more $view -x 2000 -y 1500 \
         -o more.hdr "$room" 2>more.err &
     more=$!
     until_true 30 says_held more || fail "more: it is not held: $(cat more.err)"
@@ -200,7 +200,7 @@ if [ $FULL_TMPFS = yes ]; then
         : >stays.err
         # shellcheck disable=SC2086
         interruptible "$radsubmit" --coordinator="$sock" --name=stays $view \
-            -x 1600 -y 1200 -o stays.hdr "$room" 2>stays.err &
+            -x 2000 -y 1500 -o stays.hdr "$room" 2>stays.err &
         stays=$!
         until_true 30 grep -q '^radsubmit: job ' stays.err ||
             fail "a job that waits has no id: $(cat stays.err)"

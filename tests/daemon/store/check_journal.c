@@ -137,6 +137,68 @@ TEST(rows_of_a_unit_that_was_not_noted_are_not)
     journal_close(j);
 }
 
+static long
+log_bytes(void)
+{
+    char path[160];
+    struct stat st;
+
+    snprintf(path, sizeof path, "%s/radcoord.db-wal", dir);
+    ck_assert_int_eq(stat(path, &st), 0);
+    return (long)st.st_size;
+}
+
+/* Put a unit, which is not committed yet. */
+static void
+put_one(struct journal *j, uint32_t unit)
+{
+    struct saved_unit u = { .unit = unit, .worker = "ws1" };
+
+    ck_assert_int_eq(journal_put_unit(j, kept_job, &u, NULL), 0);
+}
+
+/* Nothing is lost: what is not committed yet comes when it is, and what finds
+ * no room in the database stays in the log. */
+TEST(the_log_gives_its_room_to_those_that_lack_it)
+{
+    struct saved_job job = { .spec = kept_spec, .owner = "ana" };
+    struct saved_unit unit = { .stored = 1 };
+    char path[160];
+    struct journal *j;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
+    ck_assert_int_eq(journal_commit(j, NULL), 0);
+    ck_assert_int_gt(log_bytes(), 0);
+    write_fault = ENOSPC;
+    ck_assert_int_eq(journal_give_room(j, NULL), 0);
+    write_fault = 0;
+    ck_assert_int_gt(log_bytes(), 0);
+    sync_fault = EIO;
+    ck_assert_int_eq(journal_give_room(j, NULL), RAD_EIO);
+    sync_fault = 0;
+    ck_assert_int_gt(log_bytes(), 0);
+    ck_assert_int_eq(journal_give_room(j, NULL), 0);
+    ck_assert_int_eq(log_bytes(), 0);
+    put_one(j, 0);
+    ck_assert_int_eq(journal_commit(j, NULL), 0);
+    put_one(j, 1);
+    ck_assert_int_eq(journal_give_room(j, NULL), 0);
+    ck_assert_int_gt(log_bytes(), 0);
+    put_one(j, 2);
+    ck_assert_int_eq(journal_commit(j, NULL), 0);
+    ck_assert_int_eq(log_bytes(), 0);
+    put_one(j, 3);
+    ck_assert_int_eq(journal_commit(j, NULL), 0);
+    ck_assert_int_gt(log_bytes(), 0); /* the log is of use again */
+    journal_close(j);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
+    for (; unit.unit < 4; unit.unit++)
+        ck_assert_int_eq(journal_put_rows(j, kept_job, &unit, NULL), 0);
+    journal_close(j);
+}
+
 /* Its life ends before there is room. */
 TEST(rows_stay_until_their_picture_is_written)
 {
