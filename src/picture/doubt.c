@@ -301,7 +301,9 @@ may_walk(const struct rad_params *p)
 }
 
 /* The mean, over the tried pixels, of light beyond -ab, relative to the pixel's
- * light: by one path from each, without -lr, and with roulette for -lw. */
+ * light: by one path from each, without -lr, with roulette for -lw and, where
+ * surfaces make light, for RAD_MAX_WALK.  With -ss above 1 a path would be
+ * many. */
 static double
 beyond(struct look *k, const struct tried *t)
 {
@@ -315,6 +317,7 @@ beyond(struct look *k, const struct tried *t)
     p->ambssamp = 0;
     p->ambounce += FURTHER;
     p->maxdepth = 0;
+    p->specjitter = fmin(p->specjitter, 1);
     k->ctx->walk = own.ambounce;
     k->ctx->no_direct = true;
     for (int i = 0; i < RAD_DOUBT_TRIED; i++) {

@@ -153,6 +153,7 @@ struct rad_ctx {
                     * find what comes by more than so many bounces */
     double beyond; /* luminance that such paths bring to a pixel; the user sets
                     * it to 0 */
+    uint32_t tree; /* rays so far of the tree that is traced (ray.h) */
     bool fresh;  /* find no records at points that pixels show: sample for the
                   * point alone */
     bool aside;  /* keep no record */

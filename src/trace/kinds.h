@@ -49,6 +49,7 @@ enum {
     RAD_DIM_PIXEL = 1,              /* and 2: place within the pixel */
     RAD_DIM_MOTION = 3,             /* time, with -pm */
     RAD_DIM_LENS = 4,               /* and 5, 6: place on the lens, with -pd */
+    RAD_DIM_TREE = 7,               /* does it live on in a large tree? */
     RAD_DIM_SOURCE = 0x01000000,    /* + anything below 2^24 */
     RAD_DIM_AMBIENT = 0x02000000,   /* + anything below 2^24 */
     RAD_DIM_RSPECULAR = 0x03000000, /* the same: glossy reflection */

@@ -90,6 +90,22 @@ roulette(struct rad_ray *r, double least)
     return true;
 }
 
+/* The same for a branch of a tree that has more than its share of rays.  The
+ * larger the tree, the less likely a branch lives: so each ray has less than
+ * one child on average in the end, whatever its surface makes of it. */
+static bool
+lives_in_tree(const struct rad_ctx *ctx, struct rad_ray *r)
+{
+    double most = ctx->walk > 0 ? RAD_MAX_WALK : RAD_MAX_TREE;
+
+    if (ctx->tree <= most)
+        return true;
+    if (rad_rand(r->key, RAD_DIM_TREE) > most / ctx->tree)
+        return false;
+    r->coef = rad_rgb_scale(r->coef, ctx->tree / most);
+    return true;
+}
+
 /* Set all fields of a spawned ray but its direction.  False: its parent is
  * infinitely long, the path is too deep, or its weight is 0. */
 static bool
@@ -136,6 +152,8 @@ rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
     const struct rad_params *p = &ctx->job->params;
     double whole;
 
+    if (!parent)
+        ctx->tree = 0;
     if (!begin(ctx, r, kind, parent, coef, branch))
         return false;
     if (!is_within_limits(p, r))
@@ -143,7 +161,9 @@ rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
     if (!coef || (r->path & RAD_RAY_SHADOW))
         return true;
     whole = WHOLE_SHARE * r->sample;
-    return roulette(r, p->maxdepth > 0 ? whole : rad_most(p->minweight, whole));
+    return roulette(r,
+                    p->maxdepth > 0 ? whole : rad_most(p->minweight, whole)) &&
+           lives_in_tree(ctx, r);
 }
 
 bool
@@ -266,14 +286,17 @@ meet(struct rad_ctx *ctx, struct rad_ray *r, struct rad_line *own)
     return rad_geom_first(geom, &span, &r->hit, own, &ctx->counts.geom);
 }
 
-void
-rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
+/* Trace r, in the tree that the context counts. */
+static void
+trace(struct rad_ctx *ctx, struct rad_ray *r)
 {
     struct rad_line own;
 
     leave_parent(r);
     rad_ray_clear(r);
     ctx->counts.rays++;
+    if (!(r->path & RAD_RAY_SHADOW))
+        ctx->tree++;
     if (meet(ctx, r, &own)) {
         if (r->source >= 0)
             rad_source_in_plane(ctx, r);
@@ -288,6 +311,20 @@ rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
     rad_ray_absorb(ctx, r);
     drop_unsound(ctx, r);
     r->line = NULL;
+}
+
+void
+rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    uint32_t outer = ctx->tree;
+
+    if (!(r->kind & RAD_RAY_AMBIENT) || ctx->walk > 0) {
+        trace(ctx, r);
+        return;
+    }
+    ctx->tree = 0;
+    trace(ctx, r);
+    ctx->tree = outer;
 }
 
 void

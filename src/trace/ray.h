@@ -24,6 +24,14 @@
  * with endless surfaces one behind the other.  Deeper rays are black. */
 #define RAD_MAX_DEPTH 1500
 
+/* A pixel's ray, or a hemisphere's, is the root of a tree of the rays that it
+ * branches into; a path that is walked to find light beyond -ab (rad_ctx.walk)
+ * is all of one tree.  From so many rays on the branches of a tree play Russian
+ * roulette: converters write reflectances above 1, and among these no -lw ends
+ * a tree. */
+#define RAD_MAX_TREE 4096
+#define RAD_MAX_WALK 256
+
 struct rad_ray {
     /* set by the spawner */
     double org[3], dir[3]; /* dir of unit length */

@@ -87,6 +87,31 @@ TEST(roulette_keeps_the_mean)
     ck_assert_double_eq_tol((double)lived / N, .2, .012);
 }
 
+/* The same of a branch of a tree that is four times as large as it may be. */
+TEST(roulette_of_a_large_tree_keeps_the_mean)
+{
+    enum { N = 100000 };
+    struct rad_rgb coef = rad_rgb(.6f, .3f, 0);
+    struct rad_ray parent, r;
+    double sum = 0;
+    int lived = 0;
+
+    world_open(&w, SKY, "-lw 0 -lr 7");
+    met(&parent, 1, 0);
+    w.ctx.tree = 4 * RAD_MAX_TREE;
+    for (int i = 0; i < N; i++) {
+        parent.key = rad_key_pixel(0, 0, (uint32_t)i, 0);
+        if (!rad_ray_spawn(&w.ctx, &r, RAD_RAY_REFLECTED, &parent, &coef, 1))
+            continue;
+        lived++;
+        sum += r.coef.r;
+        ck_assert_float_eq_tol(r.coef.g, r.coef.r / 2, 1e-6);
+        ck_assert_float_eq_tol(r.weight, .6f, 1e-6);
+    }
+    ck_assert_double_eq_tol(sum / N, .6, .022 * .6);
+    ck_assert_double_eq_tol((double)lived / N, .25, .0055);
+}
+
 TEST(aft_plane_hides_what_lies_beyond)
 {
     struct rad_ray r;
@@ -210,6 +235,35 @@ TEST(perfect_mirrors_end)
                "-lw 0 -lr 30000");
     ck_assert_double_eq(world_see(&w, 0, 0, 1, 0, 0, -1).r, 0);
     ck_assert_uint_eq(w.ctx.counts.rays, RAD_MAX_DEPTH + 1);
+}
+
+/* Surfaces that make light, between mirrors that do: neither weight nor, with
+ * these options, depth ends the tree. */
+static const struct {
+    const char *material, *options;
+} endless[] = {
+    { "void prism2 m 9 1.2 0 0 1 1.2 0 0 -1 . 0 0", "-lr 7" },
+    { "void glass m 0 0 3 1.5 1.5 1.5", "-lr 60 -lw 0" },
+    { "void trans m 0 0 7 1.3 1.3 1.3 .4 0 .9 .9", "-lr 0 -lw .01" },
+    { "void BRTDfunc m 10 .9 .9 .9 .9 .9 .9 0 0 0 . 0 9 1 1 1 1 1 1 .5 .5 .5",
+      "-lr -60 -lw .01" },
+};
+
+LOOP_TEST(trees_of_surfaces_that_make_light_end, N_ELEM(endless))
+{
+    char material[300], *text;
+
+    snprintf(material, sizeof material,
+             "void metal e 0 0 5 1.1 1.1 1.1 1 0\n"
+             "e polygon a 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n"
+             "e polygon b 0 0 12 -9 -9 -8 9 -9 -8 9 9 -8 -9 9 -8\n%s",
+             endless[_i].material);
+    text = sheets(material, 8);
+    world_open(&w, text, endless[_i].options);
+    free(text);
+    world_see(&w, 0, 0, 1, 0, 0, -1);
+    ck_assert_uint_gt(w.ctx.counts.rays, RAD_MAX_TREE);
+    ck_assert_uint_lt(w.ctx.counts.rays, 4 * RAD_MAX_TREE);
 }
 
 /* An infinite radiance is black, a negative channel cut off; both count. */

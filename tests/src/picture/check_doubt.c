@@ -352,6 +352,36 @@ LOOP_TEST(light_beyond_the_last_bounce_is_known, 6)
     ck_assert_double_eq_tol(rad_doubt_left_out(&d) / pow(r, n + 1), 1, .01);
 }
 
+/* A narrow gap between metals as converters write them: these reflect more than
+ * they get, by two rays each. */
+LOOP_TEST(paths_among_metals_that_make_light_end, 3)
+{
+    static const char *const other[] = { "", "-lw 0", "-ss 64" };
+    char options[200];
+    uint64_t before;
+    struct rad_doubt d;
+
+    snprintf(options, sizeof options,
+             "-x 30 -y 30 -ab 2 -aa .5 -ar 8 -ad 16 -as 0 -ps 1 -lr 1 %s",
+             other[_i]);
+    make_of("void glow dim 0 0 4 1 1 1 0\n"
+            "dim sphere bulb 0 0 4 1 3 .05 .02\n"
+            "void metal m 0 0 5 1.036 1.036 1.036 .75 .02\n"
+            "m polygon a 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
+            "m polygon b 0 0 12 0 0 .1 0 4 .1 4 4 .1 4 0 .1\n"
+            "m polygon c 0 0 12 0 0 0 0 4 0 0 4 .1 0 0 .1\n"
+            "m polygon d 0 0 12 4 0 0 4 0 .1 4 4 .1 4 4 0\n"
+            "m polygon e 0 0 12 0 0 0 0 0 .1 4 0 .1 4 0 0\n"
+            "m polygon f 0 0 12 0 4 0 4 4 0 4 4 .1 0 4 .1\n",
+            "-vp 2 1 .05 -vd 0 1 0 -vh 60 -vv 60", options);
+    before = pic.w.ctx.counts.rays;
+    d = look(5, (struct rad_doubt_share){ 0, .02 });
+    ck_assert_double_gt(d.v[RAD_DOUBT_PLACES], 10);
+    ck_assert_double_lt((double)(pic.w.ctx.counts.rays - before),
+                        4. * RAD_MAX_WALK * RAD_DOUBT_TRIED *
+                            d.v[RAD_DOUBT_PLACES]);
+}
+
 /* Nothing is said where no record knows it, and where -av or -aw stand for what
  * is lacking. */
 LOOP_TEST(light_beyond_the_last_bounce_may_be_unknown, 5)
