@@ -208,11 +208,12 @@ trace_helpless(void *arg, struct rad_ctx *ctx, int x, int y,
 TEST(who_has_no_memory_to_help_is_not_asked_again)
 {
     struct analytic a = { ANALYTIC_NOISE, 1 };
-    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
-    struct shared s = { .w = w };
+    struct shared s = { 0 };
+    struct world *w;
 
     if (RAD_SANITIZED)
         return;
+    w = s.w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
     render_alone(w);
     w->facts[6] = NULL;
     share_lines(&s, trace_helpless, 6, 7, 1);
