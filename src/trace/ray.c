@@ -96,7 +96,8 @@ roulette(struct rad_ray *r, double least)
 static bool
 lives_in_tree(const struct rad_ctx *ctx, struct rad_ray *r)
 {
-    double most = ctx->walk > 0 ? RAD_MAX_WALK : RAD_MAX_TREE;
+    double several = rad_most(ctx->job->params.specjitter, 1);
+    double most = (ctx->walk > 0 ? RAD_MAX_WALK : RAD_MAX_TREE) * several;
 
     if (ctx->tree <= most)
         return true;

@@ -24,7 +24,7 @@ for row in json.load(sys.stdin)["limits"]:
 submit() # OPTION...
 {
     "$radsubmit" --coordinator="$tcp" --key=user.key --detach "$@" \
-        -x 2000 -y 2000 -ab 3 "$scenes/room.rad"
+        -x 2000 -y 2000 -ab 3 -aa 0 -ad 64 -as 0 "$scenes/room.rad"
 }
 may_have()
 {
