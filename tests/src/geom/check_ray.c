@@ -62,54 +62,54 @@ LOOP_TEST(limits_end_rays, N_ELEM(limit))
     }
 }
 
+enum { BRANCHES = 100000 };
+
+/* Spawn so many branches of a tree that has so many rays, with that coefficient
+ * in red and half of it in green; those that live have that weight.  Returns
+ * the share that lives, and *mean: of the coefficient, 0 where a branch dies.
+ */
+static double
+share_alive(uint32_t tree, float coef, float weight, double *mean)
+{
+    struct rad_rgb both = rad_rgb(coef, coef / 2, 0);
+    struct rad_ray parent, r;
+    int lived = 0;
+
+    met(&parent, 1, 0);
+    w.ctx.tree = tree;
+    *mean = 0;
+    for (int i = 0; i < BRANCHES; i++) {
+        parent.key = rad_key_pixel(0, 0, (uint32_t)i, 0);
+        if (!rad_ray_spawn(&w.ctx, &r, RAD_RAY_REFLECTED, &parent, &both, 1))
+            continue;
+        lived++;
+        *mean += (double)r.coef.r / BRANCHES;
+        ck_assert_float_eq_tol(r.coef.g, r.coef.r / 2, 1e-6);
+        ck_assert_float_eq_tol(r.weight, weight, 1e-6);
+    }
+    return (double)lived / BRANCHES;
+}
+
 /* What dies and what is raised for it must balance: the mean coefficient is
  * what it was.  100000 draws: four standard errors are 1.2 %. */
 TEST(roulette_keeps_the_mean)
 {
-    enum { N = 100000 };
-    struct rad_rgb coef = rad_rgb(.06f, .03f, 0);
-    struct rad_ray parent, r;
-    double sum = 0;
-    int lived = 0;
+    double mean;
 
     world_open(&w, SKY, "-lw .3 -lr -8");
-    met(&parent, 1, 0);
-    for (int i = 0; i < N; i++) {
-        parent.key = rad_key_pixel(0, 0, (uint32_t)i, 0);
-        if (!rad_ray_spawn(&w.ctx, &r, RAD_RAY_REFLECTED, &parent, &coef, 1))
-            continue;
-        lived++;
-        sum += r.coef.r;
-        ck_assert_float_eq_tol(r.coef.g, r.coef.r / 2, 1e-6);
-        ck_assert_float_eq_tol(r.weight, .3f, 1e-6);
-    }
-    ck_assert_double_eq_tol(sum / N, .06, .012 * .06 * 2);
-    ck_assert_double_eq_tol((double)lived / N, .2, .012);
+    ck_assert_double_eq_tol(share_alive(1, .06f, .3f, &mean), .2, .012);
+    ck_assert_double_eq_tol(mean, .06, .012 * .06 * 2);
 }
 
 /* The same of a branch of a tree that is four times as large as it may be. */
 TEST(roulette_of_a_large_tree_keeps_the_mean)
 {
-    enum { N = 100000 };
-    struct rad_rgb coef = rad_rgb(.6f, .3f, 0);
-    struct rad_ray parent, r;
-    double sum = 0;
-    int lived = 0;
+    double mean;
 
     world_open(&w, SKY, "-lw 0 -lr 7");
-    met(&parent, 1, 0);
-    w.ctx.tree = 4 * RAD_MAX_TREE;
-    for (int i = 0; i < N; i++) {
-        parent.key = rad_key_pixel(0, 0, (uint32_t)i, 0);
-        if (!rad_ray_spawn(&w.ctx, &r, RAD_RAY_REFLECTED, &parent, &coef, 1))
-            continue;
-        lived++;
-        sum += r.coef.r;
-        ck_assert_float_eq_tol(r.coef.g, r.coef.r / 2, 1e-6);
-        ck_assert_float_eq_tol(r.weight, .6f, 1e-6);
-    }
-    ck_assert_double_eq_tol(sum / N, .6, .022 * .6);
-    ck_assert_double_eq_tol((double)lived / N, .25, .0055);
+    ck_assert_double_eq_tol(share_alive(4 * RAD_MAX_TREE, .6f, .6f, &mean), .25,
+                            .0055);
+    ck_assert_double_eq_tol(mean, .6, .022 * .6);
 }
 
 TEST(aft_plane_hides_what_lies_beyond)

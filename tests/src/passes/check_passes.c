@@ -97,17 +97,28 @@ keep(void *arg, const struct rad_ambrec *rec, size_t n)
     l->n += n;
 }
 
-/* Make a tile; its records are added to *list. */
+/* Make a tile; its records are added to *list, its colours put into *colours,
+ * unless NULL. */
+static void
+make_shown_tile(struct room *m, const struct rad_passes *p,
+                const struct rad_pass *pass, uint32_t tile, struct list *list,
+                struct rad_pass_colours *colours)
+{
+    ck_assert(
+        rad_passes_make(p, &m->w.ctx,
+                        &(struct rad_passes_order){ .pass = pass,
+                                                    .tile = tile,
+                                                    .stop = &never,
+                                                    .fn = keep,
+                                                    .arg = list,
+                                                    .colours = colours }));
+}
+
 static void
 make_tile(struct room *m, const struct rad_passes *p,
           const struct rad_pass *pass, uint32_t tile, struct list *list)
 {
-    ck_assert(rad_passes_make(p, &m->w.ctx,
-                              &(struct rad_passes_order){ .pass = pass,
-                                                          .tile = tile,
-                                                          .stop = &never,
-                                                          .fn = keep,
-                                                          .arg = list }));
+    make_shown_tile(m, p, pass, tile, list, NULL);
 }
 
 static void *
@@ -549,14 +560,7 @@ TEST(a_tile_that_shows_its_colours_is_the_same)
     make_tile(m, p, &pass[k], 0, &list);
     first = m->w.ctx.counts;
     m->w.ctx.counts = second;
-    ck_assert(
-        rad_passes_make(p, &m->w.ctx,
-                        &(struct rad_passes_order){ .pass = &pass[k],
-                                                    .tile = 0,
-                                                    .stop = &never,
-                                                    .fn = keep,
-                                                    .arg = &watched,
-                                                    .colours = &colours }));
+    make_shown_tile(m, p, &pass[k], 0, &watched, &colours);
     second = m->w.ctx.counts;
     ck_assert_uint_gt(list.n, 0);
     ck_assert_uint_eq(list.n, watched.n);
@@ -577,14 +581,7 @@ TEST(a_tile_that_shows_its_colours_is_the_same)
     for (k = 0; k < n && rad_pass_shows(&pass[k]);)
         k++;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
-    ck_assert(
-        rad_passes_make(p, &m->w.ctx,
-                        &(struct rad_passes_order){ .pass = &pass[k],
-                                                    .tile = 0,
-                                                    .stop = &never,
-                                                    .fn = keep,
-                                                    .arg = &list,
-                                                    .colours = &colours }));
+    make_shown_tile(m, p, &pass[k], 0, &list, &colours);
     ck_assert_uint_eq(colours.n, 0);
     rad_passes_free(p);
     close_room(m);
