@@ -43,8 +43,8 @@ struct local {
     pid_t keeper;
     pid_t coordinator;
     pid_t *workers; /* nworkers pids; 0: has ended */
-    int lack; /* RAD_ENOMEM, RAD_ESHORT: for want of memory, or of threads, a
-               * daemon has ended */
+    int lack; /* a daemon has ended for want of memory: RAD_ENOMEM; of threads
+               * or descriptors: RAD_ESHORT; 0: none has */
     int nworkers;
 };
 
