@@ -12,7 +12,7 @@
     extern const char name[], name##_end[];                                    \
     __asm__(".section .rodata\n"                                               \
             ".global " #name "\n" #name ":\n"                                  \
-            ".incbin \"" file "\"\n"                                           \
+            ".incbin \"" ASSETS_FOLDER "/" file "\"\n"                         \
             ".global " #name "_end\n" #name "_end:\n"                          \
             ".byte 0\n.previous\n")
 

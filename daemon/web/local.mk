@@ -1,7 +1,7 @@
 # radweb, the daemon that shows a cluster: a library for its tests, and its main
 noinst_LIBRARIES += libweb.a
 libweb_a_CPPFLAGS = $(AM_CPPFLAGS) -DSYSCONFDIR='"$(sysconfdir)"' \
-	-Wa,-I$(srcdir)/daemon/web
+	-DASSETS_FOLDER='"$(srcdir)/daemon/web"'
 libweb_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(JANSSON_CFLAGS) \
 	$(CRYPTO_CFLAGS) $(MICROHTTPD_CFLAGS) $(SECCOMP_CFLAGS)
 libweb_a_SOURCES = \

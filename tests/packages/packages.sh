@@ -57,8 +57,10 @@ build_packages()
     in_tree build sh -c 'mv /root/radd-* /src && cd /src && exec apt-get \
         build-dep -y -q --no-install-recommends ./' >"$work/log" 2>&1 ||
         die "build-dep"
+    # optimized between files at link time, as some distributions do by default
     quietly in_tree build sh -c "cd /src && DEB_BUILD_OPTIONS='nocheck \
-        parallel=$(nproc)' dpkg-buildpackage -us -uc -b"
+        parallel=$(nproc)' DEB_CFLAGS_APPEND=-flto=auto \
+        DEB_LDFLAGS_APPEND=-flto=auto dpkg-buildpackage -us -uc -b"
     in_tree build sh -c 'cd /src && mkdir other && cd other &&
         exec ../configure --silent' >"$work/log" 2>&1 ||
         die "after the packages, the tree builds nothing else"
