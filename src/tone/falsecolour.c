@@ -127,8 +127,9 @@ rad_false_parse(struct rad_false_scale *s, const char *text,
             return rad_fail(err, RAD_EUSAGE,
                             "'%s' is no part of a scale: auto or a number of "
                             "cd/m2, log=DECADES (to %d), n=DIVISIONS (to %d), "
-                            "contour=lines|bands|steps, label=TEXT",
-                            part, RAD_FALSE_DECADES, RAD_FALSE_DIVISIONS);
+                            "contour=lines|bands|steps, label=TEXT (to %d)",
+                            part, RAD_FALSE_DECADES, RAD_FALSE_DIVISIONS,
+                            RAD_FALSE_LABEL);
         at = at[n] == ',' ? at + n + 1 : NULL;
     }
     return 0;
@@ -310,10 +311,13 @@ pixel_colour(const struct field *f, int x, int y, uint8_t rgb[3])
 
 /* --- legends --- */
 
+/* Four digits, or whole numbers: daylight has tens of thousands of lux. */
 static void
 write_value(char text[RAD_LEGEND_TEXT], double v)
 {
-    if (v >= 1e-3 && v < 1e6)
+    if (v >= 1e3 && v < 1e6)
+        snprintf(text, RAD_LEGEND_TEXT, "%.0f", v);
+    else if (v >= 1e-3 && v < 1e3)
         snprintf(text, RAD_LEGEND_TEXT, "%.4g", v);
     else
         snprintf(text, RAD_LEGEND_TEXT, "%.2g", v);

@@ -52,6 +52,13 @@ bar_extent(const struct rad_image *m, int dot)
     return (struct extent){ top, m->height - top - 2 * MARGIN * dot };
 }
 
+/* The lowest tick of each step-th, counted from the scale's end. */
+static int
+first_tick(const struct rad_legend *l, int step)
+{
+    return (l->nticks - 1) % step;
+}
+
 /* The least n so that each n-th tick has room for its text. */
 static int
 tick_step(const struct rad_legend *l, const struct extent *bar, int dot)
@@ -61,7 +68,7 @@ tick_step(const struct rad_legend *l, const struct extent *bar, int dot)
 
     for (; step < l->nticks; step++) {
         room = 1;
-        for (int i = step; i < l->nticks; i += step)
+        for (int i = first_tick(l, step) + step; i < l->nticks; i += step)
             if (l->tick[i].at - l->tick[i - step].at < room)
                 room = l->tick[i].at - l->tick[i - step].at;
         if (room * bar->height >= RAD_FONT_LINE * dot)
@@ -83,7 +90,7 @@ draw(const struct rad_legend *l, struct rad_image *m, int x, int dot)
         l->colour(l->arg, 1 - (y + .5) / bar.height, rgb);
         rad_image_fill(m, x, bar.top + y, BAR * dot, 1, rgb);
     }
-    for (int i = 0; i < l->nticks; i += step) {
+    for (int i = first_tick(l, step); i < l->nticks; i += step) {
         int y = bar.top + (int)((1 - l->tick[i].at) * (bar.height - 1) + .5);
 
         rad_image_fill(m, x + BAR * dot, y - dot / 2, TICK * dot, dot, white);

@@ -11,7 +11,8 @@ enum { RAD_LEGEND_TICKS = 65, RAD_LEGEND_TEXT = 12 };
 
 struct rad_legend {
     const char *title;
-    int nticks; /* from the bottom; if they are too close, some are left out */
+    int nticks; /* from the bottom; if they are too close, some are left out,
+                 * never the last */
     struct rad_legend_tick {
         double at; /* 0 at the bottom to 1 at the top */
         char text[RAD_LEGEND_TEXT];

@@ -313,6 +313,60 @@ TEST(ticks_are_where_their_values_are)
     rad_picture_release(&p);
 }
 
+/* Is the text drawn somewhere in these rows, right of a column? */
+static bool
+is_written(const struct rad_image *m, int left, int rows, const char *text)
+{
+    static const uint8_t white[3] = { 255, 255, 255 };
+    int w = rad_image_text_width(text, 1);
+    struct rad_image t;
+    bool found = false;
+
+    ck_assert_int_eq(rad_image_new(&t, w, RAD_FONT_HEIGHT, NULL), 0);
+    rad_image_text(&t, 0, 0, 1, text, white);
+    for (int y = 0; y + RAD_FONT_HEIGHT <= rows && !found; y++)
+        for (int x = left; x + w <= m->width && !found; x++) {
+            found = true;
+            for (int k = 0; k < RAD_FONT_HEIGHT && found; k++)
+                found =
+                    memcmp(at(m, x, y + k), at(&t, 0, k), (size_t)(3 * w)) == 0;
+        }
+    free(t.rgb);
+    return found;
+}
+
+static const struct {
+    int height;
+    const char *scale, *end;
+} ends[] = {
+    { 200, "999.95,n=1", "1000" },
+    { 200, "7055.2,n=4", "7055" },
+    { 200, "50000,n=1", "50000" },
+    { 200, "50000,log=3", "50000" },
+    { 200, "123456.7,n=10,log=2,contour=lines", "123457" },
+    { 200, ".05,n=2", "0.05" },
+    { 200, "2e6,n=2", "2e+06" },
+    { 90, "100000,n=7", "100000" }, /* from here on not all ticks have room */
+    { 90, "1000,n=64", "1000" },
+    { 160, "1000,log=4,n=20,contour=bands", "1000" },
+    { 90, "100,log=6", "100" },
+};
+
+/* A legend says where its scale ends, in digits that are read at a glance. */
+LOOP_TEST(the_end_of_a_scale_is_written_out, N_ELEM(ends))
+{
+    double v[200] = { 0 };
+    struct rad_false_scale s;
+    struct rad_picture p = picture(1, ends[_i].height, v);
+    struct rad_image m;
+
+    ck_assert_int_eq(rad_false_parse(&s, ends[_i].scale, NULL), 0);
+    ck_assert_int_eq(rad_false_colour(&s, &p, &m, NULL), 0);
+    ck_assert_msg(is_written(&m, 1, 40, ends[_i].end), "%s", ends[_i].scale);
+    free(m.rgb);
+    rad_picture_release(&p);
+}
+
 TEST(text_is_of_dots)
 {
     static const uint8_t white[3] = { 255, 255, 255 };
