@@ -78,7 +78,7 @@ take_batch(struct program *p)
 
     pointjob_release(&p->points);
     p->points.spec = &p->o.points;
-    p->points.first = pointstream_taken(&p->stream.input);
+    p->points.first = p->stream.input.in.taken;
     rc = pointstream_take(&p->stream.input, &p->points.in, p->err);
     if (rc < 0 || p->points.in.n == 0)
         return rc;
@@ -107,8 +107,8 @@ unload_cargo(struct program *p)
 {
     const char *folder = local_folder(p->cluster.local);
 
-    pointjob_drop(&p->scene, folder);
-    records_drop(&p->scene, folder);
+    compile_drop(&p->scene, RAD_BUNDLE_POINTS, folder);
+    compile_drop(&p->scene, RAD_BUNDLE_RECORDS, folder);
 }
 
 static int

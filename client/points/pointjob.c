@@ -86,12 +86,6 @@ pointjob_add(const struct pointjob *j, struct compiled *scene,
 }
 
 void
-pointjob_drop(struct compiled *scene, const char *folder)
-{
-    compile_drop(scene, RAD_BUNDLE_POINTS, folder);
-}
-
-void
 pointjob_release(struct pointjob *j)
 {
     pointfile_release(&j->in);

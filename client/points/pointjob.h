@@ -41,9 +41,6 @@ int pointjob_pack(const struct pointjob *j, struct rad_points *points,
 int pointjob_add(const struct pointjob *j, struct compiled *scene,
                  const char *folder, struct rad_error *err);
 
-/* Remove the file from both again. */
-void pointjob_drop(struct compiled *scene, const char *folder);
-
 void pointjob_release(struct pointjob *j);
 
 #endif

@@ -227,9 +227,3 @@ pointstream_take(struct pointstream *s, struct pointfile *batch,
         look(s, true);
     return rc;
 }
-
-uint64_t
-pointstream_taken(const struct pointstream *s)
-{
-    return s->in.taken;
-}

@@ -55,9 +55,6 @@ void pointstream_wait(struct pointstream *s, const int *wake);
 int pointstream_take(struct pointstream *s, struct pointfile *batch,
                      struct rad_error *err);
 
-/* How many points came before those that are still in *s. */
-uint64_t pointstream_taken(const struct pointstream *s);
-
 void pointstream_close(struct pointstream *s);
 
 #endif
