@@ -295,8 +295,8 @@ get_record(struct wire_in *in, struct rad_ambrec *rec)
 /* --- reading --- */
 
 static int
-parse_records(const struct ambfile *a, struct wire_in *in, ambfile_take *take,
-              void *arg, struct rad_error *err)
+parse_records(const struct ambfile *a, struct wire_in *in,
+              struct wire_out *list, struct rad_error *err)
 {
     bool ours = a->format == AMBFILE_OURS;
     size_t size = ours ? AMBSHARE_BYTES : RADIANCE_BYTES;
@@ -311,14 +311,14 @@ parse_records(const struct ambfile *a, struct wire_in *in, ambfile_take *take,
         if (!ours)
             get_record(in, &rec);
         if (ours ? ambshare_unpack(in, &rec) : ambshare_sound(&rec))
-            take(arg, &rec);
+            ambshare_pack(list, &rec);
     }
-    return 0;
+    return list->bad ? rad_fail_memory(err) : 0;
 }
 
 int
 ambfile_parse(struct ambfile *a, const void *bytes, size_t len,
-              ambfile_take *take, void *arg, struct rad_error *err)
+              struct wire_out *list, struct rad_error *err)
 {
     struct rad_error why = { 0 };
     struct header h = { 0 };
@@ -327,7 +327,7 @@ ambfile_parse(struct ambfile *a, const void *bytes, size_t len,
     if (copy_header(&h, bytes, len, &why) == 0 &&
         read_header(a, &h, &why) == 0 && fits(a, &h, &why) == 0) {
         wire_in_init(&in, (const char *)bytes + h.len, len - h.len);
-        parse_records(a, &in, take, arg, &why);
+        parse_records(a, &in, list, &why);
     }
     free(h.text);
     if (err && err->code == 0)
@@ -335,10 +335,24 @@ ambfile_parse(struct ambfile *a, const void *bytes, size_t len,
     return why.code;
 }
 
-static void
-take_record(void *arg, const struct rad_ambrec *rec)
+int
+ambfile_read(struct ambfile *a, const char *path, struct wire_out *list,
+             struct rad_error *err)
 {
-    ambshare_pack(arg, rec);
+    unsigned char *bytes;
+    size_t len;
+    int rc;
+
+    if (access(path, F_OK) != 0 && errno == ENOENT)
+        return 0;
+    bytes = rad_file_read(path, list->max, &len, err);
+    if (!bytes)
+        return err ? err->code : RAD_ENOINPUT;
+    rc = len > 0 ? ambfile_parse(a, bytes, len, list, err) : 0;
+    free(bytes);
+    if (rc < 0)
+        rad_error_where(err, "%s", path);
+    return rc;
 }
 
 int
@@ -346,24 +360,13 @@ ambfile_load(struct ambfile *a, const char *path, struct rad_ambient *amb,
              struct rad_error *err)
 {
     struct wire_out list;
-    unsigned char *bytes;
-    size_t len;
     int rc;
 
-    if (access(path, F_OK) != 0 && errno == ENOENT)
-        return 0;
-    bytes = rad_file_read(path, LARGEST_FILE, &len, err);
-    if (!bytes)
-        return err ? err->code : RAD_ENOINPUT;
     wire_out_init(&list, LARGEST_FILE);
-    rc = ambfile_parse(a, bytes, len, take_record, &list, err);
-    free(bytes);
-    if (rc == 0)
-        rc = list.bad ? rad_fail_memory(err)
-                      : ambshare_load(amb, list.buf, list.len, err);
-    wire_out_release(&list);
-    if (rc)
+    rc = ambfile_read(a, path, &list, err);
+    if (rc == 0 && (rc = ambshare_load(amb, list.buf, list.len, err)) < 0)
         rad_error_where(err, "%s", path);
+    wire_out_release(&list);
     return rc;
 }
 
@@ -393,44 +396,26 @@ put_header(const struct ambfile *a, FILE *f)
             RADIANCE_MAGIC & 0xff);
 }
 
-/* A source of records: a cache, or a list. */
-struct source {
-    const struct rad_ambient *amb; /* NULL: the list is used */
-    uint64_t cursor;
-    struct wire_in list;
-};
-
-static size_t
-next_records(struct source *s, struct rad_ambrec *rec, size_t max)
+int
+ambfile_format(const struct ambfile *a, const void *list, size_t len, FILE *f,
+               struct rad_error *err)
 {
-    size_t n = 0;
-
-    if (s->amb)
-        return rad_ambient_list(s->amb, &s->cursor, rec, max);
-    while (n < max && wire_left(&s->list) >= AMBSHARE_BYTES)
-        n += ambshare_unpack(&s->list, &rec[n]);
-    return n;
-}
-
-static int
-format_all(const struct ambfile *a, struct source *s, FILE *f,
-           struct rad_error *err)
-{
-    struct rad_ambrec rec[64];
     struct wire_out out;
+    struct rad_ambrec rec;
+    struct wire_in in;
     bool bad;
-    size_t n;
 
     put_header(a, f);
-    wire_out_init(&out, sizeof rec / sizeof *rec * AMBSHARE_BYTES);
-    while ((n = next_records(s, rec, sizeof rec / sizeof *rec)) > 0 &&
-           !out.bad) {
+    wire_out_init(&out, AMBSHARE_BYTES);
+    wire_in_init(&in, list, len);
+    while (wire_left(&in) >= AMBSHARE_BYTES && !out.bad) {
         out.len = 0;
-        for (size_t i = 0; i < n; i++)
-            if (a->format == AMBFILE_OURS)
-                ambshare_pack(&out, &rec[i]);
-            else
-                put_record(&out, &rec[i]);
+        if (!ambshare_unpack(&in, &rec))
+            continue;
+        if (a->format == AMBFILE_OURS)
+            ambshare_pack(&out, &rec);
+        else
+            put_record(&out, &rec);
         fwrite(out.buf, 1, out.len, f);
     }
     bad = out.bad;
@@ -443,37 +428,38 @@ format_all(const struct ambfile *a, struct source *s, FILE *f,
 }
 
 int
-ambfile_format(const struct ambfile *a, const struct rad_ambient *amb, FILE *f,
-               struct rad_error *err)
+ambfile_write(const struct ambfile *a, const char *path,
+              const struct wire_out *list, bool durable, struct rad_error *err)
 {
-    struct source s = { .amb = amb };
+    struct rad_output out;
+    int rc = rad_output_open(&out, path, durable, err);
 
-    return format_all(a, &s, f, err);
-}
-
-int
-ambfile_format_list(const struct ambfile *a, const void *list, size_t len,
-                    FILE *f, struct rad_error *err)
-{
-    struct source s = { .amb = NULL };
-
-    wire_in_init(&s.list, list, len);
-    return format_all(a, &s, f, err);
+    if (rc < 0)
+        return rc;
+    rc = ambfile_format(a, list->buf, list->len, out.file, err);
+    if (rc == 0)
+        return rad_output_commit(&out, err);
+    rad_error_where(err, "%s", path);
+    rad_output_abort(&out);
+    return rc;
 }
 
 int
 ambfile_save(const struct ambfile *a, const char *path,
              const struct rad_ambient *amb, struct rad_error *err)
 {
-    struct rad_output out;
-    int rc = rad_output_open(&out, path, true, err);
+    struct rad_ambrec rec[64];
+    struct wire_out list;
+    uint64_t cursor = 0;
+    size_t n;
+    int rc;
 
-    if (rc)
-        return rc;
-    rc = ambfile_format(a, amb, out.file, err);
-    if (rc) {
-        rad_output_abort(&out);
-        return rc;
-    }
-    return rad_output_commit(&out, err);
+    wire_out_init(&list, LARGEST_FILE);
+    while ((n = rad_ambient_list(amb, &cursor, rec, 64)) > 0)
+        for (size_t i = 0; i < n; i++)
+            ambshare_pack(&list, &rec[i]);
+    rc = list.bad ? rad_fail_memory(err)
+                  : ambfile_write(a, path, &list, true, err);
+    wire_out_release(&list);
+    return rc;
 }

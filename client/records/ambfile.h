@@ -36,6 +36,7 @@
 #include "base/sha.h"
 #include "light/indirect/ambient.h"
 #include "base/params.h"
+#include "proto/wire.h"
 
 #include <stdio.h>
 
@@ -48,28 +49,36 @@ struct ambfile {
     char scene[RAD_SHA_HEX + 1]; /* compile_digest() */
 };
 
-/* Parse a file of len bytes, and give each sound record to take().  Sets
+/* Lists have records as they travel between workers (ambshare.h). */
+
+/* Parse a file of len bytes, and add each sound record to the list.  Sets
  * a->format.  RAD_EDATA: the file is malformed, ends in the middle of a record,
- * or belongs to another scene or other options, which the message names. */
-typedef void ambfile_take(void *arg, const struct rad_ambrec *rec);
+ * or belongs to another scene or other options, which the message names;
+ * RAD_ENOMEM. */
 int ambfile_parse(struct ambfile *a, const void *bytes, size_t len,
-                  ambfile_take *take, void *arg, struct rad_error *err);
+                  struct wire_out *list, struct rad_error *err);
 
-/* Write all records of the cache, in a->format; or the sound records of a list
- * of len bytes, which has them as they travel between workers (ambshare.h). */
-int ambfile_format(const struct ambfile *a, const struct rad_ambient *amb,
+/* Write the sound records of a list of len bytes, in a->format. */
+int ambfile_format(const struct ambfile *a, const void *list, size_t len,
                    FILE *f, struct rad_error *err);
-int ambfile_format_list(const struct ambfile *a, const void *list, size_t len,
-                        FILE *f, struct rad_error *err);
 
-/* Read the file at path into the cache; a missing file is no error.  Errors of
- * ambfile_parse() and ambshare_load(). */
-int ambfile_load(struct ambfile *a, const char *path, struct rad_ambient *amb,
+/* Read the file at path, of at most list->max bytes.  A missing file has no
+ * records, nor has an empty one, such as mktemp(1) makes.  Errors of
+ * ambfile_parse(). */
+int ambfile_read(struct ambfile *a, const char *path, struct wire_out *list,
                  struct rad_error *err);
 
-/* Write the cache to path, whole or not at all: a reader sees either the old
+/* Write the list to path, whole or not at all: a reader sees either the old
  * file or the new one.  If two programs write it, the later one's records stay.
  */
+int ambfile_write(const struct ambfile *a, const char *path,
+                  const struct wire_out *list, bool durable,
+                  struct rad_error *err);
+
+/* Read the file into a cache, and write all records of a cache.  Errors also of
+ * ambshare_load(). */
+int ambfile_load(struct ambfile *a, const char *path, struct rad_ambient *amb,
+                 struct rad_error *err);
 int ambfile_save(const struct ambfile *a, const char *path,
                  const struct rad_ambient *amb, struct rad_error *err);
 

@@ -14,8 +14,8 @@ struct records {
     const char *path; /* NULL: no file */
     bool keep;        /* new ones are wanted, and written at the end */
     struct ambfile file;
-    struct wire_out list;  /* sound records, as they travel (ambshare.h) */
-    size_t nfirst, nfresh; /* records of the file; records made since */
+    struct wire_out list; /* sound records, as they travel (ambshare.h) */
+    size_t nfresh;        /* those that were made since the file was read */
 };
 
 /* Read the file at path, if it exists.  path NULL: records are only kept for
@@ -29,9 +29,6 @@ int records_begin(struct records *r, const char *path, bool keep,
  * that begins with them.  Errors of compile_add(). */
 int records_add(const struct records *r, struct compiled *scene,
                 const char *dir, struct rad_error *err);
-
-/* Take the records out of the bundle again. */
-void records_drop(struct compiled *scene, const char *dir);
 
 /* Add the sound records of a message. */
 void records_take(struct records *r, const struct msg_records *m);
