@@ -19,16 +19,6 @@ damaged(struct rad_error *err)
     return rad_fail(err, RAD_EDATA, "the picture that came is damaged");
 }
 
-/* The place of the header's empty line; NULL: there is none. */
-static const uint8_t *
-header_end(const uint8_t *hdr, size_t n)
-{
-    for (size_t i = 0; i + 1 < n; i++)
-        if (hdr[i] == '\n' && hdr[i + 1] == '\n')
-            return hdr + i + 1;
-    return NULL;
-}
-
 static void
 multiply(uint8_t *rgbe, int width, double factor)
 {
@@ -42,32 +32,6 @@ multiply(uint8_t *rgbe, int width, double factor)
     }
 }
 
-/* Multiply the rows from at to end. */
-static int
-expose_rows(const uint8_t *at, const uint8_t *end, int width, int height,
-            double factor, struct rad_memory_out *to, struct rad_error *err)
-{
-    uint8_t *rgbe = malloc(4 * (size_t)width);
-    uint8_t *code = malloc(RAD_HDR_ROW_BYTES(width));
-    int rc = rgbe && code ? 0 : rad_fail_memory(err);
-
-    for (int y = 0; y < height && rc == 0; y++) {
-        size_t n = rad_hdr_decode_row(at, (size_t)(end - at), width, rgbe);
-
-        if (n == 0) {
-            rc = damaged(err);
-            break;
-        }
-        multiply(rgbe, width, factor);
-        at += n;
-        rc = rad_memory_add(to, code, rad_hdr_encode_rgbe(rgbe, width, code),
-                            err);
-    }
-    free(rgbe);
-    free(code);
-    return rc;
-}
-
 /* The parts of a picture's bytes. */
 struct layout {
     const uint8_t *head; /* the header's empty line */
@@ -79,13 +43,14 @@ static int
 find_rows(const uint8_t *hdr, size_t n, struct layout *at,
           struct rad_error *err)
 {
-    const uint8_t *size = header_end(hdr, n);
+    const uint8_t *size = memmem(hdr, n, "\n\n", 2);
     char text[64] = "";
     int used = 0;
 
     if (!size)
         return damaged(err);
-    at->head = size++;
+    at->head = size + 1;
+    size += 2;
     at->end = hdr + n;
     snprintf(text, sizeof text, "%.*s",
              (int)(at->end - size < 60 ? at->end - size : 60),
@@ -95,6 +60,34 @@ find_rows(const uint8_t *hdr, size_t n, struct layout *at,
         return damaged(err);
     at->rows = size + used + 1;
     return 0;
+}
+
+/* Multiply all rows. */
+static int
+expose_rows(const struct layout *pic, double factor, struct rad_memory_out *to,
+            struct rad_error *err)
+{
+    uint8_t *rgbe = malloc(4 * (size_t)pic->width);
+    uint8_t *code = malloc(RAD_HDR_ROW_BYTES(pic->width));
+    const uint8_t *at = pic->rows;
+    int rc = rgbe && code ? 0 : rad_fail_memory(err);
+
+    for (int y = 0; y < pic->height && rc == 0; y++) {
+        size_t n =
+            rad_hdr_decode_row(at, (size_t)(pic->end - at), pic->width, rgbe);
+
+        if (n == 0) {
+            rc = damaged(err);
+            break;
+        }
+        multiply(rgbe, pic->width, factor);
+        at += n;
+        rc = rad_memory_add(to, code,
+                            rad_hdr_encode_rgbe(rgbe, pic->width, code), err);
+    }
+    free(rgbe);
+    free(code);
+    return rc;
 }
 
 int
@@ -113,8 +106,7 @@ expose(const uint8_t *hdr, size_t n, double factor, uint8_t **out, size_t *nout,
         (rc = rad_memory_add(&to, line, strlen(line), err)) == 0 &&
         (rc = rad_memory_add(&to, at.head, (size_t)(at.rows - at.head), err)) ==
             0)
-        rc =
-            expose_rows(at.rows, at.end, at.width, at.height, factor, &to, err);
+        rc = expose_rows(&at, factor, &to, err);
     if (rc < 0) {
         free(to.bytes);
         return rc;
