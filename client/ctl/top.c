@@ -33,20 +33,6 @@ top_release(struct top *t)
 
 /* --- new data --- */
 
-static json_t *
-find_row(const struct top *t, enum top_pane pane, const char *name)
-{
-    json_t *row;
-    size_t i;
-
-    json_array_foreach(t->list[pane].rows, i, row)
-    {
-        if (strcmp(top_name(pane, row), name) == 0)
-            return row;
-    }
-    return NULL;
-}
-
 /* The mean of a row's new rate and its last mean, while it is at work: workers
  * report their rays in lumps. */
 static double
@@ -70,7 +56,7 @@ rates_of(const struct top *t, enum top_pane pane, const json_t *rows, double s)
     json_array_foreach(rows, i, row)
     {
         const char *name = top_name(pane, row);
-        const json_t *was = find_row(t, pane, name);
+        const json_t *was = top_row(t, pane, name);
         const json_t *then = json_object_get(was, "rays");
         const json_t *now = json_object_get(row, "rays");
         double more = json_number_value(now) - json_number_value(then);
@@ -187,7 +173,7 @@ static enum top_wish
 ask_about_job(struct top *t, int key)
 {
     const json_t *row =
-        t->job[0] ? find_row(t, TOP_JOBS, t->job) : top_chosen(t, TOP_JOBS);
+        t->job[0] ? top_row(t, TOP_JOBS, t->job) : top_chosen(t, TOP_JOBS);
     bool paused = strcmp(row_text(row, "state"), "paused") == 0;
 
     if (key == 'c')

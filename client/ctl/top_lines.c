@@ -245,16 +245,13 @@ draw_list(struct screen *s, enum top_pane pane, const json_t **v, size_t n,
           int room)
 {
     const char *chosen = top_name(pane, top_chosen(s->t, pane));
+    long first, at = (long)top_place(v, n, pane, chosen);
     struct line l;
-    long first, at = 0;
 
     if (room < 2)
         return;
     list_line(s->t, pane, NULL, s->columns, &l);
     put_text(s, s->at++, TOP_HEAD, l.text);
-    for (size_t i = 0; i < n; i++)
-        if (strcmp(top_name(pane, v[i]), chosen) == 0)
-            at = (long)i;
     first = at - (room - 1) / 2;
     if (first > (long)n - (room - 1))
         first = (long)n - (room - 1);
@@ -441,14 +438,8 @@ draw_progress(struct screen *s, const json_t *row)
 static void
 draw_job(struct screen *s)
 {
-    const json_t *rows = s->t->list[TOP_JOBS].rows, *one, *row = NULL;
-    size_t i;
+    const json_t *row = top_row(s->t, TOP_JOBS, s->t->job);
 
-    json_array_foreach(rows, i, one)
-    {
-        if (strcmp(row_text(one, "job"), s->t->job) == 0)
-            row = one;
-    }
     say(s, TOP_TITLE, "job %.8s  %s  of %s", s->t->job, row_text(row, "name"),
         row_text(row, "owner"));
     say(s, TOP_WARNING, "%s", s->t->note);

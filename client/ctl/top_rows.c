@@ -57,6 +57,20 @@ top_ncolumns(enum top_pane pane)
     return n;
 }
 
+const json_t *
+top_row(const struct top *t, enum top_pane pane, const char *name)
+{
+    const json_t *row;
+    size_t i;
+
+    json_array_foreach(t->list[pane].rows, i, row)
+    {
+        if (strcmp(top_name(pane, row), name) == 0)
+            return row;
+    }
+    return NULL;
+}
+
 double
 top_value(const struct top *t, enum top_pane pane, const struct top_column *c,
           const json_t *row)

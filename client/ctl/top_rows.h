@@ -37,6 +37,10 @@ int top_ncolumns(enum top_pane pane);
 /* The name of a worker, the id of a job; "": row is NULL. */
 const char *top_name(enum top_pane pane, const json_t *row);
 
+/* The row of that name in a list, borrowed; NULL: there is none. */
+const json_t *top_row(const struct top *t, enum top_pane pane,
+                      const char *name);
+
 /* The number that a column sorts by; -1: it has none. */
 double top_value(const struct top *t, enum top_pane pane,
                  const struct top_column *c, const json_t *row);
