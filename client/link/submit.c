@@ -433,6 +433,7 @@ submit_run(const struct submit_job *job, uv_loop_t *loop, const int *interrupts,
     struct submit s = { .job = job, .cb = cb, .err = err };
     int rc;
 
+    msg_job_format(job->spec->job, s.id);
     s.where = (struct link_where){ loop, interrupts };
     s.start_ms = submit_now_ms(&s);
     rc = persevere(&s);

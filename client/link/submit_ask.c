@@ -34,15 +34,12 @@ ask(struct submit *s, struct msg *m, const struct msg_answer **answer)
 static int
 ask_row(struct submit *s)
 {
-    char hex[MSG_JOB_HEX];
-    struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, hex } };
+    struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, s->id } };
     const struct msg_answer *answer;
     const char *text;
     json_t *row;
-    int rc;
+    int rc = ask(s, &m, &answer);
 
-    msg_job_format(s->job->spec->job, hex);
-    rc = ask(s, &m, &answer);
     if (rc < 0 || !answer)
         return rc;
     row = json_loadb((const char *)answer->text, answer->len, 0, NULL);

@@ -17,15 +17,13 @@ static void
 format_way(const struct submit *s, char *buf, size_t n)
 {
     uint32_t flags = s->job->spec->flags;
-    char hex[MSG_JOB_HEX];
 
-    msg_job_format(s->job->spec->job, hex);
     if (!(flags & MSG_JOB_POINTS))
-        snprintf(buf, n, "radctl fetch %s%s -o FILE%s", hex,
+        snprintf(buf, n, "radctl fetch %s%s -o FILE%s", s->id,
                  s->job->with ? s->job->with : "",
                  s->job->spec->nframes > 1 ? "%d" : "");
     else
-        snprintf(buf, n, "submit again with --job=%s", hex);
+        snprintf(buf, n, "submit again with --job=%s", s->id);
 }
 
 /* An error that says that the job, or what it made, stays with the coordinator,
@@ -33,9 +31,8 @@ format_way(const struct submit *s, char *buf, size_t n)
 static int
 left_behind(struct submit *s)
 {
-    char hex[MSG_JOB_HEX], way[160];
+    char way[160];
 
-    msg_job_format(s->job->spec->job, hex);
     format_way(s, way, sizeof way);
     if (submit_is_done(s))
         return rad_fail(s->err, RAD_ETEMPFAIL,
@@ -44,7 +41,7 @@ left_behind(struct submit *s)
         return rad_fail(s->err, RAD_ETEMPFAIL,
                         "interrupted; the job stays, paused: radctl resume %s, "
                         "then %s",
-                        hex, way);
+                        s->id, way);
     if (s->last.state == MSG_STATE_HELD)
         return rad_fail(s->err, RAD_ETEMPFAIL,
                         "interrupted; the job stays, and goes on when the "
@@ -57,31 +54,25 @@ left_behind(struct submit *s)
 int
 submit_interrupted(struct submit *s)
 {
-    char hex[MSG_JOB_HEX];
-
     if (s->ending == ENDING_CANCEL || s->ending == ENDING_OVER ||
         s->cb->alive || s->stage < STAGE_ASKED)
         return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
     if (s->stage >= STAGE_KNOWN)
         return left_behind(s);
-    msg_job_format(s->job->spec->job, hex);
     return rad_fail(s->err, RAD_ETEMPFAIL,
                     "interrupted; the coordinator may have the job: radctl "
                     "job %s",
-                    hex);
+                    s->id);
 }
 
 int
 submit_not_settled(struct submit *s)
 {
-    char hex[MSG_JOB_HEX];
-
-    msg_job_format(s->job->spec->job, hex);
     *s->err = (struct rad_error){ 0 }; /* why the connection failed */
     return rad_fail(s->err, RAD_ETEMPFAIL,
                     "the coordinator has not said that the job is cancelled: "
                     "radctl cancel %s",
-                    hex);
+                    s->id);
 }
 
 void

@@ -60,6 +60,7 @@ struct submit {
     struct link_where where;
     struct link *link;
     struct rad_error *err;
+    char id[MSG_JOB_HEX]; /* the job's, as people read it */
     uint32_t request;  /* number of our last request */
     uint64_t start_ms; /* when we began; later, when we were first refused */
     uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
