@@ -63,14 +63,14 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
 }
 
 static int
-write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
-            struct rad_error *err)
+write_depth(struct program *p, uint32_t frame,
+            const struct rad_memory_out *depth, struct rad_error *err)
 {
     char *name = NULL;
     int rc = frames_name(&p->frames, &p->o, p->o.depth, frame, &name, err);
 
     if (rc == 0)
-        rc = write_file(p, name, depth, len, err);
+        rc = write_file(p, name, depth->bytes, depth->len, err);
     free(name);
     return rc;
 }
@@ -126,20 +126,21 @@ program_show_whole(struct program *p, const uint8_t *picture, size_t len)
     memset(&p->preview.last, 0, sizeof p->preview.last);
 }
 
-/* Save what could not be written, for our own cluster keeps nothing.  NULL
- * arguments: written already, or not asked for. */
+/* Save what could not be written, for our own cluster keeps nothing.  picture
+ * NULL: it was written. */
 static void
-rescue(struct program *p, uint32_t frame, const uint8_t *picture,
-       size_t picture_len, const uint8_t *depth, size_t depth_len)
+rescue(struct program *p, uint32_t frame, const struct rad_memory_out *picture,
+       const struct rad_memory_out *depth)
 {
     const char *suffix = submit_options_spectra(&p->o) ? ".hsr" : ".hdr";
 
     if (picture)
-        p->rescue.picture = rescue_write(p->job.id, frame, suffix, picture,
-                                         rad_edge_begin(picture, picture_len));
-    if (depth)
+        p->rescue.picture =
+            rescue_write(p->job.id, frame, suffix, picture->bytes,
+                         rad_edge_begin(picture->bytes, picture->len));
+    if (depth->bytes)
         p->rescue.depth =
-            rescue_write(p->job.id, frame, ".zbf", depth, depth_len);
+            rescue_write(p->job.id, frame, ".zbf", depth->bytes, depth->len);
 }
 
 void
@@ -188,9 +189,9 @@ program_write_points(struct program *p, const struct pointwriter_light *light,
 }
 
 int
-program_on_frame(void *arg, uint32_t frame, const uint8_t *picture,
-                 size_t picture_len, const uint8_t *depth, size_t depth_len,
-                 struct rad_error *err)
+program_on_frame(void *arg, uint32_t frame,
+                 const struct rad_memory_out *picture,
+                 const struct rad_memory_out *depth, struct rad_error *err)
 {
     struct program *p = arg;
     bool there; /* the picture was written */
@@ -198,22 +199,23 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture,
 
     progress_clear(&p->progress); /* stdout may be the same terminal */
     if (p->o.points.file) {
-        struct pointwriter_light light = { { depth }, 1, depth_len };
+        struct pointwriter_light light = { { depth->bytes }, 1, depth->len };
 
         return program_write_points(p, &light, err);
     }
-    rc = write_picture(p, frame, picture, picture_len, err);
+    rc = write_picture(p, frame, picture->bytes, picture->len, err);
     there = rc == 0;
     if (p->result.light != LIGHT_SOME && !submit_options_spectra(&p->o))
-        p->result.light =
-            expose_nothing(picture, picture_len) ? LIGHT_NONE : LIGHT_SOME;
-    if (rc == 0 && depth)
-        rc = write_depth(p, frame, depth, depth_len, err);
+        p->result.light = expose_nothing(picture->bytes, picture->len)
+                              ? LIGHT_NONE
+                              : LIGHT_SOME;
+    if (rc == 0 && depth->bytes)
+        rc = write_depth(p, frame, depth, err);
     p->rescue.needed = rc < 0;
     if (p->rescue.needed && p->cluster.embedded)
-        rescue(p, frame, there ? NULL : picture, picture_len, depth, depth_len);
+        rescue(p, frame, there ? NULL : picture, depth);
     if (rc == 0 && p->o.preview && !submit_options_spectra(&p->o))
-        program_show_whole(p, picture, picture_len);
+        program_show_whole(p, picture->bytes, picture->len);
     return rc;
 }
 

@@ -15,9 +15,9 @@ int program_check_apart(struct program *p);
 /* Take results of the job (submit.h). */
 int program_on_preview(void *program, const uint8_t *picture, size_t len,
                        struct rad_error *err);
-int program_on_frame(void *program, uint32_t frame, const uint8_t *picture,
-                     size_t picture_len, const uint8_t *depth, size_t depth_len,
-                     struct rad_error *err);
+int program_on_frame(void *program, uint32_t frame,
+                     const struct rad_memory_out *picture,
+                     const struct rad_memory_out *depth, struct rad_error *err);
 /* Write the preview of a frame that is whole, whose picture is in colours. */
 void program_show_whole(struct program *p, const uint8_t *picture, size_t len);
 /* Set p->text, for the header of the points' values. */

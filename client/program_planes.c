@@ -84,27 +84,26 @@ name_kept(const struct planes *s, enum kept what, int plane, uint32_t frame,
 }
 
 static int
-keep(const struct planes *s, enum kept what, uint32_t frame, const uint8_t *p,
-     size_t n, struct rad_error *err)
+keep(const struct planes *s, enum kept what, uint32_t frame,
+     const struct rad_memory_out *f, struct rad_error *err)
 {
     char path[PATH_MAX];
 
     name_kept(s, what, s->program->planes.at, frame, path);
-    return rad_output_write(path, p, n, false, err);
+    return rad_output_write(path, f->bytes, f->len, false, err);
 }
 
-/* Read a kept file, to be freed, and remove it; NULL with *err set. */
-static uint8_t *
+/* Read a kept file and remove it; the caller frees f->bytes. */
+static int
 take_kept(const struct planes *s, enum kept what, int plane, uint32_t frame,
-          size_t *n, struct rad_error *err)
+          struct rad_memory_out *f, struct rad_error *err)
 {
     char path[PATH_MAX];
-    uint8_t *bytes;
 
     name_kept(s, what, plane, frame, path);
-    bytes = rad_file_read(path, SIZE_MAX / 2, n, err);
+    f->bytes = rad_file_read(path, SIZE_MAX / 2, &f->len, err);
     unlink(path);
-    return bytes;
+    return f->bytes ? 0 : err->code;
 }
 
 /* --- the last plane of a frame has come ----------------------------------- */
@@ -118,27 +117,24 @@ deliver_picture(struct planes *s, uint32_t frame, bool has_depth,
                                    submit_options_spectra(&p->o),
                                    p->o.params.primaries };
     struct spectra_plane plane[RAD_MAX_PLANES] = { { NULL, 0 } };
-    uint8_t *whole = NULL, *depth = NULL, *hdr[RAD_MAX_PLANES] = { NULL };
-    size_t n = 0, depth_len = 0;
+    struct rad_memory_out whole = { 0 }, depth = { 0 };
+    struct rad_memory_out hdr[RAD_MAX_PLANES] = { { 0 } };
     int rc = 0;
 
     for (int k = 0; k < p->planes.n && rc == 0; k++) {
-        hdr[k] = take_kept(s, PICTURE, k, frame, &plane[k].len, err);
-        plane[k].hdr = hdr[k];
-        rc = hdr[k] ? 0 : err->code;
+        rc = take_kept(s, PICTURE, k, frame, &hdr[k], err);
+        plane[k] = (struct spectra_plane){ hdr[k].bytes, hdr[k].len };
     }
-    if (rc == 0 && has_depth) {
-        depth = take_kept(s, DEPTH, 0, frame, &depth_len, err);
-        rc = depth ? 0 : err->code;
-    }
+    if (rc == 0 && has_depth)
+        rc = take_kept(s, DEPTH, 0, frame, &depth, err);
     if (rc == 0)
-        rc = spectra_join(&order, plane, &whole, &n, err);
+        rc = spectra_join(&order, plane, &whole.bytes, &whole.len, err);
     for (int k = 0; k < p->planes.n; k++)
-        free(hdr[k]);
+        free(hdr[k].bytes);
     if (rc == 0)
-        rc = program_on_frame(p, frame, whole, n, depth, depth_len, err);
-    free(whole);
-    free(depth);
+        rc = program_on_frame(p, frame, &whole, &depth, err);
+    free(whole.bytes);
+    free(depth.bytes);
     return rc;
 }
 
@@ -147,23 +143,21 @@ deliver_points(struct planes *s, struct rad_error *err)
 {
     struct program *p = s->program;
     struct pointwriter_light light = { .n = 0 };
-    uint8_t *values[RAD_MAX_PLANES] = { NULL };
-    size_t n;
+    struct rad_memory_out values[RAD_MAX_PLANES] = { { 0 } };
     int rc = 0;
 
     for (int k = 0; k < p->planes.n && rc == 0; k++) {
-        values[k] = take_kept(s, DEPTH, k, 0, &n, err);
-        rc = values[k] ? 0 : err->code;
-        if (rc == 0 && k > 0 && n != light.len)
+        rc = take_kept(s, DEPTH, k, 0, &values[k], err);
+        if (rc == 0 && k > 0 && values[k].len != light.len)
             rc = rad_fail(err, RAD_EPROTO, "planes of different sizes");
-        light.plane[light.n++] = values[k];
-        light.len = n;
+        light.plane[light.n++] = values[k].bytes;
+        light.len = values[k].len;
     }
     progress_clear(&p->progress);
     if (rc == 0)
         rc = program_write_points(p, &light, err);
     for (int k = 0; k < p->planes.n; k++)
-        free(values[k]);
+        free(values[k].bytes);
     return rc;
 }
 
@@ -195,24 +189,24 @@ on_preview(void *arg, const uint8_t *picture, size_t len, struct rad_error *err)
 }
 
 static int
-on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
-         const uint8_t *depth, size_t depth_len, struct rad_error *err)
+on_frame(void *arg, uint32_t frame, const struct rad_memory_out *picture,
+         const struct rad_memory_out *depth, struct rad_error *err)
 {
     struct program *p = arg;
     struct planes *s = p->planes.jobs;
     bool points = p->o.points.file;
     int rc = 0;
 
-    if (picture)
-        rc = keep(s, PICTURE, frame, picture, len, err);
-    if (rc == 0 && depth && (points || p->planes.at == 0))
-        rc = keep(s, DEPTH, frame, depth, depth_len, err);
+    if (picture->bytes)
+        rc = keep(s, PICTURE, frame, picture, err);
+    if (rc == 0 && depth->bytes && (points || p->planes.at == 0))
+        rc = keep(s, DEPTH, frame, depth, err);
     if (rc < 0 || p->planes.at < p->planes.n - 1)
         return rc;
     rc = points ? deliver_points(s, err)
-                : deliver_picture(s, frame, depth != NULL, err);
+                : deliver_picture(s, frame, depth->bytes != NULL, err);
     if (rc == 0 && p->o.preview && submit_options_spectra(&p->o))
-        rc = preview(p, true, picture, len, err);
+        rc = preview(p, true, picture->bytes, picture->len, err);
     return rc;
 }
 

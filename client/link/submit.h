@@ -7,6 +7,7 @@
 #ifndef RADD_CLIENT_SUBMIT_H
 #define RADD_CLIENT_SUBMIT_H
 
+#include "base/files.h"
 #include "compile/cargo.h"
 #include "link/link.h"
 
@@ -16,12 +17,12 @@ struct submit_callbacks {
     /* Print a line for the user; text has no newline. */
     void (*say)(void *arg, const char *text);
     void (*progress)(void *arg, const struct msg_progress *p);
-    /* Frame number `frame` of the spec's list is complete.  picture: the bytes
-     * of its .hdr, NULL for sensor points; depth: its distances, NULL if not
-     * wanted. */
-    int (*frame)(void *arg, uint32_t frame, const uint8_t *picture,
-                 size_t picture_len, const uint8_t *depth, size_t depth_len,
-                 struct rad_error *err);
+    /* Frame number `frame` of the spec's list is complete.  picture: its .hdr,
+     * without bytes for sensor points; depth: its distances, without bytes if
+     * they are not wanted. */
+    int (*frame)(void *arg, uint32_t frame,
+                 const struct rad_memory_out *picture,
+                 const struct rad_memory_out *depth, struct rad_error *err);
     /* The .hdr of a frame so far.  May be NULL: no previews. */
     int (*preview)(void *arg, const uint8_t *picture, size_t len,
                    struct rad_error *err);

@@ -37,16 +37,15 @@ int
 submit_deliver_frame(struct submit *s)
 {
     struct rad_memory_out picture = { 0 }, depth = { 0 };
-    bool wanted = s->job->spec->flags & MSG_JOB_DEPTH;
+    uint32_t flags = s->job->spec->flags;
     int rc = 0;
 
-    if (!(s->job->spec->flags & MSG_JOB_POINTS))
+    if (!(flags & MSG_JOB_POINTS))
         rc = fetch(s, s->delivered, MSG_WHAT_PICTURE, &picture);
-    if (rc == 0 && wanted)
+    if (rc == 0 && flags & MSG_JOB_DEPTH)
         rc = fetch(s, s->delivered, MSG_WHAT_DEPTH, &depth);
     if (rc == 0)
-        rc = s->cb->frame(s->cb->arg, s->delivered, picture.bytes, picture.len,
-                          wanted ? depth.bytes : NULL, depth.len, s->err);
+        rc = s->cb->frame(s->cb->arg, s->delivered, &picture, &depth, s->err);
     free(picture.bytes);
     free(depth.bytes);
     if (rc == 0)

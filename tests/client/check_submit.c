@@ -754,18 +754,18 @@ on_progress(void *arg, const struct msg_progress *m)
 }
 
 static int
-on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
-         const uint8_t *depth, size_t depth_len, struct rad_error *err)
+on_frame(void *arg, uint32_t frame, const struct rad_memory_out *picture,
+         const struct rad_memory_out *depth, struct rad_error *err)
 {
     struct client *c = arg;
 
-    (void)depth_len;
     ck_assert_uint_eq(frame, 0);
-    ck_assert_ptr_null(depth);
-    if (len >= sizeof c->picture)
-        return rad_fail(err, RAD_EINTERNAL, "picture of %zu bytes", len);
-    memcpy(c->picture, picture, len);
-    c->picture[len] = '\0';
+    ck_assert_ptr_null(depth->bytes);
+    if (picture->len >= sizeof c->picture)
+        return rad_fail(err, RAD_EINTERNAL, "picture of %zu bytes",
+                        picture->len);
+    memcpy(c->picture, picture->bytes, picture->len);
+    c->picture[picture->len] = '\0';
     return 0;
 }
 
