@@ -25,11 +25,11 @@ static int
 write_file(struct program *p, const char *path, const void *bytes, size_t n,
            struct rad_error *err)
 {
-    int rc, was[3];
+    int rc;
 
-    program_loop_free_signals(&p->loop, path, was);
+    program_loop_free_signals(&p->loop, path);
     rc = rad_output_write(path, bytes, n, !p->cluster.embedded, err);
-    program_loop_catch_signals(&p->loop, was);
+    program_loop_catch_signals(&p->loop);
     return rc;
 }
 
@@ -41,7 +41,7 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
 {
     char *name = NULL;
     uint8_t *exposed = NULL;
-    int rc = 0, was[3];
+    int rc = 0;
 
     if (p->o.output)
         rc = frames_name(&p->frames, &p->o, p->o.output, frame, &name, err);
@@ -52,10 +52,10 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
         picture = exposed;
     }
     if (rc == 0) {
-        program_loop_free_signals(&p->loop, name, was);
+        program_loop_free_signals(&p->loop, name);
         rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
                            !p->cluster.embedded, &p->o.show, err);
-        program_loop_catch_signals(&p->loop, was);
+        program_loop_catch_signals(&p->loop);
     }
     free(exposed);
     free(name);
@@ -101,13 +101,12 @@ program_on_preview(void *arg, const uint8_t *picture, size_t len,
 {
     struct program *p = arg;
     struct rad_error why = { 0 };
-    int was[3];
 
     (void)err;
-    program_loop_free_signals(&p->loop, p->o.preview, was);
+    program_loop_free_signals(&p->loop, p->o.preview);
     picfile_preview(p->o.preview, picture, len, &p->o.show, &p->preview.last,
                     &why);
-    program_loop_catch_signals(&p->loop, was);
+    program_loop_catch_signals(&p->loop);
     note_preview(p, &why);
     return 0;
 }
@@ -116,12 +115,11 @@ void
 program_show_whole(struct program *p, const uint8_t *picture, size_t len)
 {
     struct rad_error why = { 0 };
-    int was[3];
 
-    program_loop_free_signals(&p->loop, p->o.preview, was);
+    program_loop_free_signals(&p->loop, p->o.preview);
     picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, &p->o.show,
                   &why);
-    program_loop_catch_signals(&p->loop, was);
+    program_loop_catch_signals(&p->loop);
     note_preview(p, &why);
     memset(&p->preview.last, 0, sizeof p->preview.last);
 }
@@ -171,15 +169,15 @@ program_write_points(struct program *p, const struct pointwriter_light *light,
                      struct rad_error *err)
 {
     struct to_write w = { p, light };
-    int rc, was[3];
+    int rc;
 
     if (!p->stream.is)
         program_fill_text(p);
-    program_loop_free_signals(&p->loop, p->o.output, was);
+    program_loop_free_signals(&p->loop, p->o.output);
     rc = p->stream.is
              ? pointwriter_put(p->stream.writer, &p->points, light, err)
              : write_points(&w, p->o.output, err);
-    program_loop_catch_signals(&p->loop, was);
+    program_loop_catch_signals(&p->loop);
     if (p->stream.is)
         return rc;
     if (rc < 0 && rc != RAD_EPROTO && light->n > 0)

@@ -225,7 +225,7 @@ program_run_dry(struct program *p)
 {
     struct dryrun_cluster c = { .embedded = p->cluster.embedded };
     struct link_where where = { &p->loop.uv, &p->loop.interrupts };
-    int rc, was[3];
+    int rc;
 
     c.workers = program_cluster_workers(&p->o);
     c.threads = c.workers * local_threads(c.workers, p->o.threads);
@@ -237,13 +237,13 @@ program_run_dry(struct program *p)
         return rc;
     program_warn_of_scene(p);
     program_fill_spec(p);
-    program_loop_free_signals(&p->loop, NULL, was);
+    program_loop_free_signals(&p->loop, NULL);
     dryrun_print(&p->job.spec, &p->prediction,
                  p->o.quality_whole ? p->o.quality : -1, &c);
     say_of_former_values(&p->o);
     rc = tell_printed(
         p->err); /* before --stats, which may go to the same pipe */
-    program_loop_catch_signals(&p->loop, was);
+    program_loop_catch_signals(&p->loop);
     if (rc < 0 || !p->o.stats)
         return rc;
     return program_write_stats(

@@ -64,39 +64,39 @@ program_loop_release(struct program_loop *l)
 /* Writing to a pipe may wait for a reader for ever, and the event loop stands
  * still meanwhile: let signals do what they do to any program, end it. */
 static void
-free_signals(struct program_loop *l, bool waits, int was[3])
+free_signals(struct program_loop *l, bool waits)
 {
     waits &= l->watched;
     for (int i = 0; i < 3; i++) {
         uv_signal_t *s = &l->signals[i];
 
-        was[i] = waits && uv_is_active((uv_handle_t *)s) ? s->signum : 0;
-        if (was[i])
+        l->freed[i] = waits && uv_is_active((uv_handle_t *)s) ? s->signum : 0;
+        if (l->freed[i])
             uv_signal_stop(s);
     }
 }
 
 void
-program_loop_free_signals(struct program_loop *l, const char *path, int was[3])
+program_loop_free_signals(struct program_loop *l, const char *path)
 {
-    free_signals(l, rad_output_in_place(path), was);
+    free_signals(l, rad_output_in_place(path));
 }
 
 void
-program_loop_free_for_message(struct program_loop *l, int was[3])
+program_loop_free_for_message(struct program_loop *l)
 {
     struct pollfd to = { .fd = STDERR_FILENO, .events = POLLOUT };
 
-    free_signals(l, poll(&to, 1, 0) == 0, was);
+    free_signals(l, poll(&to, 1, 0) == 0);
 }
 
 void
-program_loop_catch_signals(struct program_loop *l, const int was[3])
+program_loop_catch_signals(struct program_loop *l)
 {
     for (int i = 0; i < 3; i++) {
         uv_signal_t *s = &l->signals[i];
 
-        if (was[i])
-            uv_signal_start(s, s->signal_cb, was[i]);
+        if (l->freed[i])
+            uv_signal_start(s, s->signal_cb, l->freed[i]);
     }
 }

@@ -17,6 +17,7 @@ struct program_loop {
     uv_signal_t signals[3];
     bool watched;   /* uv and signals are in use */
     int interrupts; /* so far; 2 end the program at once */
+    int freed[3];   /* signals that are not caught for a while; 0: none */
 };
 
 /* Make the loop, and count SIGINT once, SIGTERM and SIGHUP (unless that is
@@ -25,13 +26,11 @@ int program_loop_init(struct program_loop *l, struct rad_error *err);
 void program_loop_release(struct program_loop *l);
 
 /* Before and after a file is written (path NULL: standard output): signals end
- * the program meanwhile if writing may wait for a reader.  was: the signals
- * that were caught. */
-void program_loop_free_signals(struct program_loop *l, const char *path,
-                               int was[3]);
+ * the program meanwhile if writing may wait for a reader. */
+void program_loop_free_signals(struct program_loop *l, const char *path);
 /* The same before a message of at most a line, if standard error has no room
  * for it now. */
-void program_loop_free_for_message(struct program_loop *l, int was[3]);
-void program_loop_catch_signals(struct program_loop *l, const int was[3]);
+void program_loop_free_for_message(struct program_loop *l);
+void program_loop_catch_signals(struct program_loop *l);
 
 #endif

@@ -18,12 +18,11 @@ void
 program_say(void *arg, const char *text)
 {
     struct program *p = arg;
-    int was[3];
 
-    program_loop_free_for_message(&p->loop, was);
+    program_loop_free_for_message(&p->loop);
     progress_clear(&p->progress);
     tell(stderr, "radsubmit: %s", text);
-    program_loop_catch_signals(&p->loop, was);
+    program_loop_catch_signals(&p->loop);
 }
 
 void
@@ -286,7 +285,6 @@ program_on_progress(void *arg, const struct msg_progress *m)
         .workers = (int)m->workers,
         .left_s = time_left(p, m)
     };
-    int was[3];
 
     if (!lost) { /* else the job does not go on */
         say_held(p, m->state == MSG_STATE_HELD);
@@ -296,9 +294,9 @@ program_on_progress(void *arg, const struct msg_progress *m)
     say_stage(p, m);
     note_wonder(p, m);
     if (!lost) { /* else its end is told by another line */
-        program_loop_free_for_message(&p->loop, was);
+        program_loop_free_for_message(&p->loop);
         progress_update(&p->progress, &r);
-        program_loop_catch_signals(&p->loop, was);
+        program_loop_catch_signals(&p->loop);
     }
     outcome_note(&p->result.job, m);
 }

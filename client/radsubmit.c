@@ -219,14 +219,14 @@ main(int argc, char *argv[])
     struct rad_error err = { 0 };
     struct program p = { .err = &err };
     char text[600];
-    int rc, was[3];
+    int rc;
 
     rad_output_guard();
     rc = act(&p, argc, argv);
     if (rc == 0)
         return EX_OK;
     rad_error_format(&err, text, sizeof text);
-    program_loop_free_for_message(&p.loop, was);
+    program_loop_free_for_message(&p.loop);
     fprintf(stderr, "radsubmit: %s\n", text);
     program_say_where_it_is(&p);
     fflush(stdout);
