@@ -82,7 +82,9 @@ say(void *arg, const char *text)
 
 TEST(a_job_does_not_wait_beyond_its_wait)
 {
-    struct submit_job job = { .wait_s = 1 };
+    static const uint8_t id[MSG_JOB];
+    const struct msg_spec spec = { .job = id };
+    struct submit_job job = { .spec = &spec, .wait_s = 1 };
     struct submit_callbacks cb = { .say = say };
     int fd = listen_mutely(&job.to), wake = 0;
     uv_loop_t loop;
