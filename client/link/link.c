@@ -238,6 +238,39 @@ on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
     l->done = true;
 }
 
+/* --- pauses --- */
+
+static void
+on_pause_over(uv_timer_t *t)
+{
+    *(bool *)t->data = true;
+    uv_stop(t->loop); /* or a pause of 0 ms would wait for another event */
+}
+
+static void
+on_pause_closed(uv_handle_t *h)
+{
+    h->data = NULL;
+}
+
+void
+link_pause(const struct link_where *where, uint64_t ms)
+{
+    uv_timer_t timer;
+    bool over = false;
+    int wake = *where->wake;
+
+    uv_timer_init(where->loop, &timer);
+    timer.data = &over;
+    uv_update_time(where->loop);
+    uv_timer_start(&timer, on_pause_over, ms, 0);
+    while (!over && *where->wake == wake)
+        uv_run(where->loop, UV_RUN_ONCE);
+    uv_close((uv_handle_t *)&timer, on_pause_closed);
+    while (timer.data)
+        uv_run(where->loop, UV_RUN_ONCE);
+}
+
 /* --- messages --- */
 
 static int

@@ -34,6 +34,9 @@ struct link_where {
  * short; RAD_ESHORT: threads. */
 int link_loop_init(uv_loop_t *loop, uv_work_t *first, struct rad_error *err);
 
+/* Run the loop for ms, or until woken. */
+void link_pause(const struct link_where *where, uint64_t ms);
+
 /* The role with most rights that this client can have: administrator on a Unix
  * socket; else administrator, user or observer, by the keys in its file. */
 enum msg_role link_role(const struct target *to);

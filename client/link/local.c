@@ -25,8 +25,9 @@
 enum {
     READY_MS = 60000, /* an overloaded host takes seconds to start a program */
     STOP_MS = 2000,   /* then a daemon is killed */
-    LOOK_MS = 10,
-    SWEEPS = 100,          /* removals, for daemons may still write */
+    LOOK_MS = 2,
+    SWEEPS = 100, /* removals, for daemons may still write */
+    SWEEP_MS = 20,
     LEAST_SHARED = 1 << 20 /* bytes; smaller files are sent as fast */
 };
 
@@ -100,7 +101,7 @@ keep(const struct local *l)
         poll(&life, 1, -1);
     end_launched(l);
     for (int i = 0; i < SWEEPS && access(l->folder, F_OK) == 0; i++) {
-        poll(NULL, 0, 2 * LOOK_MS);
+        poll(NULL, 0, SWEEP_MS);
         rad_remove_dir(l->folder);
     }
 }
@@ -240,63 +241,28 @@ said_ready(const struct local *l)
 }
 
 static int
-look_for_ready(struct local *l, const struct link_where *where,
-               struct rad_error *err)
-{
-    struct pollfd fd = { .fd = l->notify, .events = POLLIN };
-    uint64_t until = now_ms() + READY_MS;
-
-    while (now_ms() < until) {
-        uv_run(where->loop, UV_RUN_NOWAIT);
-        if (*where->wake > 0)
-            return rad_fail(err, RAD_ETEMPFAIL, "interrupted");
-        if (poll(&fd, 1, LOOK_MS) > 0) {
-            if (said_ready(l))
-                return 0;
-        } else if (ended(l, &l->coordinator)) {
-            return rad_fail(err, l->lack ? l->lack : RAD_EUNAVAIL,
-                            "radcoord ended before it was ready");
-        }
-    }
-    return rad_fail(err, RAD_EUNAVAIL, "radcoord is not ready after %d s",
-                    READY_MS / 1000);
-}
-
-static void
-on_time(uv_timer_t *t)
-{
-    (void)t;
-}
-
-static void
-on_closed(uv_handle_t *h)
-{
-    *(bool *)h->data = true;
-}
-
-/* Meanwhile the loop takes signals; it would not without a handle that keeps it
- * alive. */
-static int
 wait_ready(struct local *l, const struct link_where *where,
            struct rad_error *err)
 {
-    bool closed = false;
-    uv_timer_t alive = { .data = &closed };
-    int rc;
+    uint64_t until = now_ms() + READY_MS;
 
-    uv_timer_init(where->loop, &alive);
-    uv_timer_start(&alive, on_time, 2 * READY_MS, 0);
-    rc = look_for_ready(l, where, err);
-    uv_close((uv_handle_t *)&alive, on_closed);
-    while (!closed)
-        uv_run(where->loop, UV_RUN_NOWAIT);
-    if (rc == 0) {
-        /* close it, for nobody reads it from now on: a sender then gets an
-         * error, instead of waiting for ever at a full queue */
-        close(l->notify);
-        l->notify = -1;
+    while (!said_ready(l)) {
+        if (*where->wake > 0)
+            return rad_fail(err, RAD_ETEMPFAIL, "interrupted");
+        if (ended(l, &l->coordinator))
+            return rad_fail(err, l->lack ? l->lack : RAD_EUNAVAIL,
+                            "radcoord ended before it was ready");
+        if (now_ms() > until)
+            return rad_fail(err, RAD_EUNAVAIL,
+                            "radcoord is not ready after %d s",
+                            READY_MS / 1000);
+        link_pause(where, LOOK_MS);
     }
-    return rc;
+    /* close it, for nobody reads it from now on: a sender then gets an error,
+     * instead of waiting for ever at a full queue */
+    close(l->notify);
+    l->notify = -1;
+    return 0;
 }
 
 /* --- the cluster --- */

@@ -214,40 +214,6 @@ watch(struct submit *s)
     return submit_deliver_stats(s);
 }
 
-/* --- connecting again --- */
-
-static void
-on_pause_over(uv_timer_t *t)
-{
-    *(bool *)t->data = true;
-    uv_stop(t->loop); /* or a pause of 0 ms would wait for another event */
-}
-
-static void
-on_pause_closed(uv_handle_t *h)
-{
-    h->data = NULL;
-}
-
-/* Wait ms, or until an interrupt comes. */
-static void
-pause_for(struct submit *s, uint64_t ms)
-{
-    uv_timer_t timer;
-    bool over = false;
-    int wake = *s->where.wake;
-
-    uv_timer_init(s->where.loop, &timer);
-    timer.data = &over;
-    uv_update_time(s->where.loop);
-    uv_timer_start(&timer, on_pause_over, ms, 0);
-    while (!over && *s->where.wake == wake)
-        uv_run(s->where.loop, UV_RUN_ONCE);
-    uv_close((uv_handle_t *)&timer, on_pause_closed);
-    while (timer.data)
-        uv_run(s->where.loop, UV_RUN_ONCE);
-}
-
 /* --- launched workers --- */
 
 /* Wait until all launched workers have come, or --wait is over. */
@@ -268,7 +234,7 @@ await_workers(struct submit *s)
             break;
         if (submit_now_ms(s) - begin_ms > COME_SLOWLY_MS)
             pause_ms = COME_SLOWLY_MS / 10;
-        pause_for(s, pause_ms);
+        link_pause(&s->where, pause_ms);
     }
     return rc < 0 ? rc : 0;
 }
@@ -419,7 +385,7 @@ persevere(struct submit *s)
         if ((rc = may_retry(s, &why)) < 0)
             return rc;
         say_retry(s, &why);
-        pause_for(s, backoff_ms(s));
+        link_pause(&s->where, backoff_ms(s));
     }
     if (rc < 0 && err)
         *err = why;
