@@ -28,6 +28,13 @@ struct unit {
     const char *worker;
 };
 
+/* All units of a job. */
+struct units {
+    struct unit *v;
+    size_t n;
+    json_int_t first; /* the least number of their frames */
+};
+
 /* Number of lines after a worker's first one; their median stands for the first
  * line's time with ambient records in the cache. */
 enum { LINES_AFTER = 5 };
@@ -71,36 +78,36 @@ read_ystep(const char *options, int *ystep, struct rad_error *err)
     return 0;
 }
 
-/* The frame of a unit; frames are numbered on from `first`.  NULL: out of
- * range. */
+/* The frame of unit i; NULL: out of range. */
 static struct costs_frame *
-frame_of(const struct costs *c, json_int_t first, json_int_t number)
+frame_of(const struct costs *c, const struct units *u, size_t i)
 {
-    if (number - first >= (json_int_t)c->nframes)
-        return NULL;
-    return &c->frames[number - first];
+    json_int_t k = u->v[i].frame - u->first;
+
+    return k < (json_int_t)c->nframes ? &c->frames[k] : NULL;
 }
 
 /* Take the frames' sizes from the units that reach farthest.  pixels[k]: how
  * many pixels all units of frame k have. */
 static int
-measure_frames(struct costs *c, const struct unit *u, size_t n,
-               json_int_t first, uint64_t *pixels, struct rad_error *err)
+measure_frames(struct costs *c, const struct units *all, uint64_t *pixels,
+               struct rad_error *err)
 {
-    for (size_t i = 0; i < n; i++) {
-        struct costs_frame *f = frame_of(c, first, u[i].frame);
+    for (size_t i = 0; i < all->n; i++) {
+        struct costs_frame *f = frame_of(c, all, i);
+        const struct unit *u = &all->v[i];
 
         if (!f)
             return rad_fail(err, RAD_EDATA,
                             "no statistics: a unit of frame %lld, after %u "
                             "from %lld",
-                            (long long)u[i].frame, c->nframes,
-                            (long long)first);
-        if (u[i].x + u[i].width > f->width)
-            f->width = (uint32_t)(u[i].x + u[i].width);
-        if (u[i].y + u[i].height > f->height)
-            f->height = (uint32_t)(u[i].y + u[i].height);
-        pixels[f - c->frames] += (uint64_t)u[i].width * (uint64_t)u[i].height;
+                            (long long)u->frame, c->nframes,
+                            (long long)all->first);
+        if (u->x + u->width > f->width)
+            f->width = (uint32_t)(u->x + u->width);
+        if (u->y + u->height > f->height)
+            f->height = (uint32_t)(u->y + u->height);
+        pixels[f - c->frames] += (uint64_t)u->width * (uint64_t)u->height;
     }
     return 0;
 }
@@ -131,49 +138,50 @@ make_rows(struct costs *c, const uint64_t *pixels, struct rad_error *err)
 /* Choose the cost of all units: processor time or, if any unit lacks it, rays.
  */
 static void
-weigh(struct unit *u, size_t n)
+weigh(const struct units *u)
 {
     bool by_rays = false;
 
-    for (size_t i = 0; i < n; i++)
-        by_rays |= u[i].cpu_s == 0;
-    for (size_t i = 0; i < n; i++)
-        u[i].cost = by_rays ? u[i].rays : u[i].cpu_s;
+    for (size_t i = 0; i < u->n; i++)
+        by_rays |= u->v[i].cpu_s == 0;
+    for (size_t i = 0; i < u->n; i++)
+        u->v[i].cost = by_rays ? u->v[i].rays : u->v[i].cpu_s;
 }
 
 static void
-spread(struct costs *c, const struct unit *u, size_t n, json_int_t first)
+spread(struct costs *c, const struct units *all)
 {
-    for (size_t i = 0; i < n; i++) {
-        struct costs_frame *f = frame_of(c, first, u[i].frame);
+    for (size_t i = 0; i < all->n; i++) {
+        struct costs_frame *f = frame_of(c, all, i);
+        const struct unit *u = &all->v[i];
 
-        for (json_int_t y = u[i].y; y < u[i].y + u[i].height; y++)
-            f->row[y] += u[i].cost / (double)u[i].height;
+        for (json_int_t y = u->y; y < u->y + u->height; y++)
+            f->row[y] += u->cost / (double)u->height;
     }
 }
 
 /* Keep the units of frames that have units narrower than the frame. */
 static int
-keep_windows(struct costs *c, const struct unit *u, size_t n, json_int_t first,
-             struct rad_error *err)
+keep_windows(struct costs *c, const struct units *all, struct rad_error *err)
 {
-    for (size_t i = 0; i < n; i++) {
-        struct costs_frame *f = frame_of(c, first, u[i].frame);
+    for (size_t i = 0; i < all->n; i++) {
+        struct costs_frame *f = frame_of(c, all, i);
 
-        if (f->window || u[i].width == f->width)
+        if (f->window || all->v[i].width == f->width)
             continue;
-        f->window = calloc(n, sizeof *f->window);
+        f->window = calloc(all->n, sizeof *f->window);
         if (!f->window)
             return rad_fail_memory(err);
     }
-    for (size_t i = 0; i < n; i++) {
-        struct costs_frame *f = frame_of(c, first, u[i].frame);
+    for (size_t i = 0; i < all->n; i++) {
+        struct costs_frame *f = frame_of(c, all, i);
+        const struct unit *u = &all->v[i];
 
         if (f->window)
             f->window[f->nwindows++] =
-                (struct costs_window){ (uint32_t)u[i].x, (uint32_t)u[i].y,
-                                       (uint32_t)u[i].width,
-                                       (uint32_t)u[i].height, u[i].cost };
+                (struct costs_window){ (uint32_t)u->x, (uint32_t)u->y,
+                                       (uint32_t)u->width, (uint32_t)u->height,
+                                       u->cost };
     }
     return 0;
 }
@@ -261,11 +269,11 @@ compare_starts(const void *a, const void *b)
                    : (x->start_s > y->start_s) - (x->start_s < y->start_s);
 }
 
-/* Take the times of frame k's lines.  u must be sorted by compare_starts(). */
+/* Take the times of frame k's lines.  Units must be sorted by
+ * compare_starts(). */
 static int
 take_lines(struct costs *c, uint32_t k, const json_t *list,
-           const struct unit *u, size_t nunits, json_int_t first,
-           struct rad_error *err)
+           const struct units *all, struct rad_error *err)
 {
     struct costs_frame *f = &c->frames[k];
     struct rad_quincunx q = sampler_of(f->width, f->height, c->ystep);
@@ -273,10 +281,13 @@ take_lines(struct costs *c, uint32_t k, const json_t *list,
     double *line = malloc(n * sizeof *line);
     int rc = line ? read_lines(list, line, n, err) : rad_fail_memory(err);
 
-    for (size_t i = 0; i < nunits && rc == 0; i++)
-        if (u[i].frame - first == k &&
-            (i == 0 || strcmp(u[i].worker, u[i - 1].worker) != 0))
-            level_first(line, n, (size_t)((u[i].y + c->ystep - 1) / c->ystep));
+    for (size_t i = 0; i < all->n && rc == 0; i++) {
+        const struct unit *u = &all->v[i];
+
+        if (u->frame - all->first == k &&
+            (i == 0 || strcmp(u->worker, u[-1].worker) != 0))
+            level_first(line, n, (size_t)((u->y + c->ystep - 1) / c->ystep));
+    }
     if (rc == 0)
         put_rows(f, &q, line);
     free(line);
@@ -284,8 +295,8 @@ take_lines(struct costs *c, uint32_t k, const json_t *list,
 }
 
 static int
-take_all_lines(struct costs *c, const json_t *frames, struct unit *u, size_t n,
-               json_int_t first, struct rad_error *err)
+take_all_lines(struct costs *c, const json_t *frames, const struct units *u,
+               struct rad_error *err)
 {
     int rc = 0;
 
@@ -293,36 +304,36 @@ take_all_lines(struct costs *c, const json_t *frames, struct unit *u, size_t n,
         return rad_fail(err, RAD_EDATA,
                         "no statistics: line_s is not of %u frames",
                         c->nframes);
-    qsort(u, n, sizeof *u, compare_starts);
+    qsort(u->v, u->n, sizeof *u->v, compare_starts);
     for (uint32_t k = 0; k < c->nframes && rc == 0; k++)
-        rc = take_lines(c, k, json_array_get(frames, k), u, n, first, err);
+        rc = take_lines(c, k, json_array_get(frames, k), u, err);
     return rc;
 }
 
 static int
-take_units(struct costs *c, struct unit *u, size_t n, const json_t *line_s,
+take_units(struct costs *c, struct units *u, const json_t *line_s,
            struct rad_error *err)
 {
     uint64_t *pixels = calloc(c->nframes, sizeof *pixels);
-    json_int_t first = n > 0 ? u[0].frame : 0;
     int rc;
 
-    for (size_t i = 0; i < n; i++)
-        if (u[i].frame < first)
-            first = u[i].frame;
-    weigh(u, n);
+    u->first = u->n > 0 ? u->v[0].frame : 0;
+    for (size_t i = 0; i < u->n; i++)
+        if (u->v[i].frame < u->first)
+            u->first = u->v[i].frame;
+    weigh(u);
     c->frames = calloc(c->nframes, sizeof *c->frames);
     rc = pixels && c->frames ? 0 : rad_fail_memory(err);
     if (rc == 0)
-        rc = measure_frames(c, u, n, first, pixels, err);
+        rc = measure_frames(c, u, pixels, err);
     if (rc == 0)
         rc = make_rows(c, pixels, err);
     if (rc == 0 && line_s)
-        rc = take_all_lines(c, line_s, u, n, first, err);
+        rc = take_all_lines(c, line_s, u, err);
     else if (rc == 0)
-        spread(c, u, n, first);
+        spread(c, u);
     if (rc == 0)
-        rc = keep_windows(c, u, n, first, err);
+        rc = keep_windows(c, u, err);
     free(pixels);
     return rc;
 }
@@ -331,15 +342,14 @@ static int
 take_list(struct costs *c, const json_t *list, const json_t *line_s,
           struct rad_error *err)
 {
-    size_t n = json_array_size(list);
-    struct unit *u = calloc(n + 1, sizeof *u);
-    int rc = u ? 0 : rad_fail_memory(err);
+    struct units u = { .n = json_array_size(list) };
+    int rc = (u.v = calloc(u.n + 1, sizeof *u.v)) ? 0 : rad_fail_memory(err);
 
-    for (size_t i = 0; i < n && rc == 0; i++)
-        rc = unpack_unit(json_array_get(list, i), &u[i], err);
+    for (size_t i = 0; i < u.n && rc == 0; i++)
+        rc = unpack_unit(json_array_get(list, i), &u.v[i], err);
     if (rc == 0)
-        rc = take_units(c, u, n, line_s, err);
-    free(u);
+        rc = take_units(c, &u, line_s, err);
+    free(u.v);
     return rc;
 }
 
@@ -413,22 +423,23 @@ costs_release(struct costs *c)
 
 /* Do the frames have the same number and sizes, and the same base lines? */
 static int
-check_fit(const struct costs *c, const struct msg_frame *frames,
-          uint32_t nframes, int psample, struct rad_error *err)
+check_fit(const struct costs *c, const struct frames *frames, int psample,
+          struct rad_error *err)
 {
     int xstep, ystep;
 
     rad_quincunx_steps(psample, &xstep, &ystep);
-    if (c->nframes != nframes)
+    if (c->nframes != frames->n)
         return rad_fail(err, RAD_EDATA, "statistics of %u frames, not %u",
-                        c->nframes, nframes);
-    for (uint32_t k = 0; k < nframes; k++)
-        if (c->frames[k].width != frames[k].width ||
-            c->frames[k].height != frames[k].height)
-            return rad_fail(err, RAD_EDATA,
-                            "statistics of %u by %u pixels, not %u by %u",
-                            c->frames[k].width, c->frames[k].height,
-                            frames[k].width, frames[k].height);
+                        c->nframes, frames->n);
+    for (uint32_t k = 0; k < frames->n; k++) {
+        const struct msg_frame *f = &frames->list[k];
+
+        if (c->frames[k].width != f->width || c->frames[k].height != f->height)
+            return rad_fail(
+                err, RAD_EDATA, "statistics of %u by %u pixels, not %u by %u",
+                c->frames[k].width, c->frames[k].height, f->width, f->height);
+    }
     if (c->ystep != ystep)
         return rad_fail(err, RAD_EDATA,
                         "statistics with another -ps: base lines are %d rows "
@@ -438,13 +449,13 @@ check_fit(const struct costs *c, const struct msg_frame *frames,
 }
 
 static uint64_t
-count_lines(const struct msg_frame *frames, uint32_t nframes, int ystep)
+count_lines(const struct frames *frames, int ystep)
 {
     uint64_t n = 0;
 
-    for (uint32_t k = 0; k < nframes; k++) {
+    for (uint32_t k = 0; k < frames->n; k++) {
         struct rad_quincunx q =
-            sampler_of(frames[k].width, frames[k].height, ystep);
+            sampler_of(frames->list[k].width, frames->list[k].height, ystep);
 
         n += (uint64_t)rad_quincunx_nbases(&q);
     }
@@ -471,12 +482,11 @@ put_frame(uint8_t *to, const struct costs_frame *f,
 }
 
 int
-costs_of_lines(const struct costs *c, const struct msg_frame *frames,
-               uint32_t nframes, int psample, uint8_t **bytes, uint32_t *n,
-               struct rad_error *err)
+costs_of_lines(const struct costs *c, const struct frames *frames, int psample,
+               uint8_t **bytes, uint32_t *n, struct rad_error *err)
 {
-    uint64_t lines = count_lines(frames, nframes, c->ystep);
-    int rc = check_fit(c, frames, nframes, psample, err);
+    uint64_t lines = count_lines(frames, c->ystep);
+    int rc = check_fit(c, frames, psample, err);
     uint8_t *to;
 
     if (rc < 0)
@@ -489,9 +499,9 @@ costs_of_lines(const struct costs *c, const struct msg_frame *frames,
     *bytes = to = malloc(lines * sizeof(float));
     if (!to)
         return rad_fail_memory(err);
-    for (uint32_t k = 0; k < nframes; k++) {
+    for (uint32_t k = 0; k < frames->n; k++) {
         struct rad_quincunx q =
-            sampler_of(frames[k].width, frames[k].height, c->ystep);
+            sampler_of(frames->list[k].width, frames->list[k].height, c->ystep);
 
         to = put_frame(to, &c->frames[k], &q);
     }

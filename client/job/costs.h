@@ -11,7 +11,7 @@
 #ifndef RADD_CLIENT_COSTS_H
 #define RADD_CLIENT_COSTS_H
 
-#include "proto/message.h"
+#include "job/frames.h"
 
 struct costs {
     uint32_t nframes;
@@ -40,8 +40,8 @@ void costs_release(struct costs *c);
 /* The cost of each line of each frame, as in msg_spec.costs: *bytes, to be
  * freed, has *n floats as on the wire.  RAD_EDATA: the former job had other
  * frames, sizes or base lines; RAD_EUSAGE: more than MSG_MAX_COSTS lines. */
-int costs_of_lines(const struct costs *c, const struct msg_frame *frames,
-                   uint32_t nframes, int psample, uint8_t **bytes, uint32_t *n,
+int costs_of_lines(const struct costs *c, const struct frames *frames,
+                   int psample, uint8_t **bytes, uint32_t *n,
                    struct rad_error *err);
 
 #endif

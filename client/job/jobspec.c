@@ -63,8 +63,8 @@ jobspec_read_costs(struct jobspec *j, const struct submit_options *o,
     rc = costs_read(&c, o->costs, err);
     if (rc < 0)
         return rc;
-    rc = costs_of_lines(&c, frames->list, frames->n, o->params.psample,
-                        &j->costs, &j->ncosts, err);
+    rc = costs_of_lines(&c, frames, o->params.psample, &j->costs, &j->ncosts,
+                        err);
     if (rc < 0)
         rad_error_where(err, "%s", o->costs);
     costs_release(&c);

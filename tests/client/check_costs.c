@@ -80,7 +80,8 @@ TEST(windows_are_kept)
 
 LOOP_TEST(units_are_spread_over_lines, N_ELEM(good))
 {
-    const struct msg_frame frame = { .width = 20, .height = 10 };
+    struct msg_frame frame = { .width = 20, .height = 10 };
+    const struct frames frames = { .list = &frame, .n = 1 };
     struct rad_error err = { 0 };
     struct costs c;
     uint8_t *bytes = NULL;
@@ -90,7 +91,7 @@ LOOP_TEST(units_are_spread_over_lines, N_ELEM(good))
     ck_assert_msg(costs_parse(&c, good[_i].text, strlen(good[_i].text), &err) ==
                       0,
                   "%s", err.what);
-    ck_assert_msg(costs_of_lines(&c, &frame, 1, 6, &bytes, &n, &err) == 0, "%s",
+    ck_assert_msg(costs_of_lines(&c, &frames, 6, &bytes, &n, &err) == 0, "%s",
                   err.what);
     ck_assert_uint_eq(n, 4);
     wire_floats_get(line, bytes, n);
@@ -108,15 +109,16 @@ TEST(frames_of_an_animation_follow_each_other)
     static const char text[] = HEAD("2")
         UNIT("8", "0", "0", "20", "10", "1",
              "10") "," UNIT("7", "0", "0", "20", "10", "1", "20") TAIL;
-    const struct msg_frame frames[] = { { .width = 20, .height = 10 },
-                                        { .width = 20, .height = 10 } };
+    struct msg_frame list[] = { { .width = 20, .height = 10 },
+                                { .width = 20, .height = 10 } };
+    const struct frames two = { .list = list, .n = 2 };
     struct costs c;
     uint8_t *bytes = NULL;
     float line[8];
     uint32_t n = 0;
 
     ck_assert_int_eq(costs_parse(&c, text, strlen(text), NULL), 0);
-    ck_assert_int_eq(costs_of_lines(&c, frames, 2, 6, &bytes, &n, NULL), 0);
+    ck_assert_int_eq(costs_of_lines(&c, &two, 6, &bytes, &n, NULL), 0);
     ck_assert_uint_eq(n, 8);
     wire_floats_get(line, bytes, n);
     ck_assert_float_eq(line[0], 2);
@@ -139,19 +141,20 @@ static const struct {
 
 LOOP_TEST(another_picture_is_refused, N_ELEM(others))
 {
-    const struct msg_frame frames[2] = {
+    struct msg_frame list[2] = {
         { .width = others[_i].width, .height = others[_i].height },
         { .width = others[_i].width, .height = others[_i].height }
     };
+    const struct frames other = { .list = list, .n = others[_i].n };
     struct rad_error err = { 0 };
     uint8_t *bytes = NULL;
     struct costs c;
     uint32_t n;
 
     ck_assert_int_eq(costs_parse(&c, BARS, strlen(BARS), NULL), 0);
-    ck_assert_int_eq(costs_of_lines(&c, frames, others[_i].n,
-                                    others[_i].psample, &bytes, &n, &err),
-                     RAD_EDATA);
+    ck_assert_int_eq(
+        costs_of_lines(&c, &other, others[_i].psample, &bytes, &n, &err),
+        RAD_EDATA);
     ck_assert_msg(strstr(err.what, others[_i].what) != NULL, "%s", err.what);
     ck_assert_ptr_null(bytes);
     costs_release(&c);

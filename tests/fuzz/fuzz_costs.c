@@ -21,7 +21,8 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             f[i].height = c.frames[i].height;
         }
         if (f)
-            costs_of_lines(&c, f, c.nframes, 4, &bytes, &n, NULL);
+            costs_of_lines(&c, &(struct frames){ .list = f, .n = c.nframes }, 4,
+                           &bytes, &n, NULL);
         free(bytes);
         free(f);
     }
