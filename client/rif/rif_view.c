@@ -27,25 +27,27 @@ up_axis(const struct rif *r, int *axis, struct rad_error *err)
     return 0;
 }
 
-/* Parse the name of a standard view, such as "X", "xYz" or "Zl".  side: on
- * which side of the zone's middle the eye is, along each axis (1, -1 or 0);
- * type: the projection. */
+struct standard {
+    int side[3]; /* of the zone's middle on which the eye is, along each axis:
+                  * 1, -1 or 0 */
+    char type;   /* the projection */
+};
+
+/* Parse the name of a standard view, such as "X", "xYz" or "Zl". */
 static bool
-standard(const char *name, size_t len, int side[3], char *type)
+is_standard(const char *name, size_t len, struct standard *s)
 {
     size_t at = 0;
     bool any = false;
 
-    for (int i = 0; i < 3; i++) {
-        side[i] = 0;
+    *s = (struct standard){ .type = 'v' };
+    for (int i = 0; i < 3; i++)
         if (at < len && toupper((unsigned char)name[at]) == 'X' + i) {
-            side[i] = name[at++] == 'X' + i ? 1 : -1;
+            s->side[i] = name[at++] == 'X' + i ? 1 : -1;
             any = true;
         }
-    }
-    *type = 'v';
     if (at < len && strchr("vlahsc", name[at]))
-        *type = name[at++];
+        s->type = name[at++];
     return any && at == len;
 }
 
@@ -92,22 +94,21 @@ angles(char type, const double size[3], char *text, size_t room)
 }
 
 /* Write the options of a standard view, followed by `more`. */
-static int
-standard_text(const struct rif_zone *z, char type, const int side[3], int up,
+static void
+standard_text(const struct rif_zone *z, const struct standard *s, int up,
               const char *more, char *text, size_t room)
 {
     double away = z->interior ? .45 : 2, vp[3], vd[3];
     char size[80];
 
     for (int i = 0; i < 3; i++) {
-        vp[i] = z->org[i] + z->size[i] * (.5 + side[i] * away);
-        vd[i] = -side[i] * z->size[i];
+        vp[i] = z->org[i] + z->size[i] * (.5 + s->side[i] * away);
+        vd[i] = -s->side[i] * z->size[i];
     }
-    angles(type, z->size, size, sizeof size);
-    return snprintf(text, room,
-                    "-vt%c -vp %.3g %.3g %.3g -vd %.3g %.3g %.3g %s %s %s",
-                    type, vp[0], vp[1], vp[2], vd[0], vd[1], vd[2],
-                    up_option(turned_up(up, side)), size, more);
+    angles(s->type, z->size, size, sizeof size);
+    snprintf(text, room, "-vt%c -vp %.3g %.3g %.3g -vd %.3g %.3g %.3g %s %s %s",
+             s->type, vp[0], vp[1], vp[2], vd[0], vd[1], vd[2],
+             up_option(turned_up(up, s->side)), size, more);
 }
 
 /* Set the view's options.  RAD_EDATA: the text is only a name, and not that of
@@ -118,8 +119,9 @@ set_words(struct rif *r, const struct rif_zone *z, struct rif_view *v,
 {
     size_t len = strcspn(text, " \t\n"), room = strlen(text) + 400;
     const char *more = text + len + strspn(text + len, " \t\n");
-    char *buf = rad_arena_alloc(&r->arena, room), type;
-    int side[3], up, rc = up_axis(r, &up, err);
+    char *buf = rad_arena_alloc(&r->arena, room);
+    struct standard s;
+    int up, rc = up_axis(r, &up, err);
 
     if (rc < 0)
         return rc;
@@ -127,8 +129,8 @@ set_words(struct rif *r, const struct rif_zone *z, struct rif_view *v,
         return rad_fail_memory(err);
     if (text[0] == '-')
         snprintf(buf, room, "%s", text);
-    else if (standard(text, len, side, &type))
-        standard_text(z, type, side, up, more, buf, room);
+    else if (is_standard(text, len, &s))
+        standard_text(z, &s, up, more, buf, room);
     else if (*more)
         snprintf(buf, room, "%s %s", up ? up_option(up) : "", more);
     else
@@ -217,11 +219,11 @@ list_names(const struct rif *r, char *text, size_t room)
 static int
 unknown(const struct rif *r, const char *which, struct rad_error *why)
 {
-    char names[120], type;
-    int side[3];
+    char names[120];
+    struct standard s;
 
     if (which[0] == '-' || which[strcspn(which, " \t\n")] ||
-        standard(which, strlen(which), side, &type))
+        is_standard(which, strlen(which), &s))
         return 0;
     list_names(r, names, sizeof names);
     return rad_fail(

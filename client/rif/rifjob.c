@@ -393,10 +393,9 @@ rifjob_release(struct rifjob *j)
 /* Append the file's options, except for views.  If the command line has
  * --quality, that replaces rad's rules. */
 static int
-add_file(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
-         const struct rif_zone *z)
+add_file(struct rif_line *l, struct rifjob *j, const struct submit_options *o)
 {
-    int rc = rif_line_options(l, z, o->quality < 0, j->raw);
+    int rc = rif_line_options(l, &j->zone, o->quality < 0, j->raw);
     char *root;
 
     j->optfile = l->optfile;
@@ -411,20 +410,31 @@ add_file(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
  * command line, and the scene's files. */
 static int
 make_line(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
-          const struct words *w, const struct rif_zone *z,
-          const struct rif_view *v)
+          const struct words *w, const struct rif_view *v)
 {
     int rc = rif_line_add(l, "radsubmit");
 
     if (rc == 0)
         rc = rif_line_words(l, v->words, v->nwords);
     if (rc == 0)
-        rc = add_file(l, j, o, z);
+        rc = add_file(l, j, o);
     if (rc == 0)
         rc = rif_line_words(l, w->list, j->ngiven);
     if (rc == 0 && strcmp(l->list[l->n - 1], "--") != 0)
         rc = rif_line_add(l, "--");
     return rc < 0 ? rc : rif_line_words(l, j->scenes, j->nscenes);
+}
+
+/* Parse a whole line, unless rc says that it is none; *words is to be released
+ * in any case. */
+static int
+parse_line(int rc, const struct rif_line *l, struct words *words,
+           struct submit_options *parsed)
+{
+    *words = (struct words){ .n = 0 };
+    if (rc == 0)
+        rc = words_init(words, l->n, l->list, l->err);
+    return rc == 0 ? submit_parse(parsed, words, l->err) : rc;
 }
 
 /* Are these options wrong by themselves? */
@@ -434,7 +444,7 @@ is_faulty(struct rifjob *j, char *const *list, int n)
     struct rad_error why = { 0 };
     struct rif_line l = { .rif = &j->rif, .err = &why };
     struct submit_options parsed;
-    struct words words = { 0 };
+    struct words words;
     int rc = rif_line_add(&l, "radsubmit");
 
     if (rc == 0)
@@ -443,10 +453,7 @@ is_faulty(struct rifjob *j, char *const *list, int n)
         rc = rif_line_add(&l, "--");
     if (rc == 0)
         rc = rif_line_words(&l, j->scenes, j->nscenes);
-    if (rc == 0)
-        rc = words_init(&words, l.n, l.list, &why);
-    if (rc == 0)
-        rc = submit_parse(&parsed, &words, &why);
+    rc = parse_line(rc, &l, &words, &parsed);
     words_release(&words);
     return rc < 0;
 }
@@ -476,21 +483,16 @@ faulty_line(struct rifjob *j, const struct rif_view *v)
  * and *w. */
 static int
 take_view(struct rifjob *j, struct submit_options *o, struct words *w, int i,
-          const struct rif_zone *z, const struct rif_view *v,
-          struct rad_error *err)
+          const struct rif_view *v, struct rad_error *err)
 {
     /* the real command line, which *w has only before the first view */
     const struct words *given = i == 0 ? w : &j->given;
     struct rif_line l = { .rif = &j->rif, .err = err };
     struct submit_options parsed;
-    struct words words = { 0 };
-    int rc = make_line(&l, j, o, given, z, v);
+    struct words words;
+    int rc = make_line(&l, j, o, given, v);
 
-    if (rc == 0)
-        rc = words_init(&words, l.n, l.list, err);
-    if (rc == 0)
-        rc = submit_parse(&parsed, &words, err);
-    if (rc < 0) {
+    if ((rc = parse_line(rc, &l, &words, &parsed)) < 0) {
         int line = faulty_line(j, v);
 
         if (line > 0)
@@ -532,7 +534,6 @@ int
 rifjob_finish(struct rifjob *j, struct submit_options *o, struct words *w,
               const struct rad_octree *t, struct rad_error *err)
 {
-    struct rif_zone zone;
     struct rif_view *views;
     int rc;
 
@@ -540,8 +541,8 @@ rifjob_finish(struct rifjob *j, struct submit_options *o, struct words *w,
         return rad_fail(err, RAD_EUSAGE,
                         "option '-S': the views are those of '%s'",
                         j->rif.name);
-    if ((rc = rif_zone(&j->rif, t, &zone, err)) < 0 ||
-        (rc = rif_views(&j->rif, &zone, o->rif_view, &views, err)) < 0)
+    if ((rc = rif_zone(&j->rif, t, &j->zone, err)) < 0 ||
+        (rc = rif_views(&j->rif, &j->zone, o->rif_view, &views, err)) < 0)
         return rc;
     j->nviews = rc;
     j->views = rad_arena_calloc(&j->rif.arena, (size_t)rc, sizeof *j->views);
@@ -549,7 +550,7 @@ rifjob_finish(struct rifjob *j, struct submit_options *o, struct words *w,
         return rad_fail_memory(err);
     rc = 0;
     for (int i = 0; i < j->nviews && rc == 0; i++)
-        rc = take_view(j, o, w, i, &zone, &views[i], err);
+        rc = take_view(j, o, w, i, &views[i], err);
     if (rc < 0)
         return rc;
     if (!o->name)

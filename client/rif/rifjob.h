@@ -20,6 +20,7 @@ struct rifjob {
     char **scenes; /* nscenes files and commands */
     int nscenes;
     double exposure;           /* of .hdr pictures; 0: values are radiance */
+    struct rif_zone zone;      /* what is looked at */
     bool raw;                  /* pictures are rpict's, not filtered */
     struct frames_view *views; /* nviews */
     int nviews;
