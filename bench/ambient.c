@@ -317,8 +317,10 @@ load(struct bench *b, char **file, int n)
 
     if (n < 2)
         die_of("expected scene files and a view file");
-    if (compile_read(&b->compiled, (const char *const *)file, n - 1, false,
-                     NULL, NULL, &err) < 0)
+    if (compile_read(
+            &b->compiled,
+            &(struct compile_from){ (const char *const *)file, n - 1, false },
+            NULL, NULL, &err) < 0)
         die(&err);
     b->scene = b->compiled.scene;
     b->files = compile_files(&b->compiled);

@@ -84,8 +84,10 @@ load(struct bench *b, char **file, int n)
     if (n < 2)
         die_of("usage: passes [--tiles=FILE] [rendering options] scene.rad... "
                "views.vf");
-    if (compile_read(&b->compiled, (const char *const *)file, n - 1, false,
-                     NULL, NULL, &err) < 0)
+    if (compile_read(
+            &b->compiled,
+            &(struct compile_from){ (const char *const *)file, n - 1, false },
+            NULL, NULL, &err) < 0)
         die(&err);
     b->files = compile_files(&b->compiled);
     read_views(b, file[n - 1]);

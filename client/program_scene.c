@@ -135,13 +135,13 @@ compile_work(uv_work_t *w)
 {
     struct compiling *c = w->data;
     struct program *p = c->p;
+    struct compile_from from = { (const char *const *)p->o.scenes, p->o.nscenes,
+                                 p->o.commands };
     uint64_t begin = uv_hrtime();
 
     if (!p->scene.scene) {
-        c->rc = compile_scene(&p->scene, (const char *const *)p->o.scenes,
-                              p->o.nscenes, p->o.commands,
-                              local_folder(p->cluster.local), &p->words.inputs,
-                              p->err);
+        c->rc = compile_scene(&p->scene, &from, local_folder(p->cluster.local),
+                              &p->words.inputs, p->err);
         p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
     }
     if (c->rc == 0) {

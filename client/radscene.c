@@ -78,10 +78,10 @@ keep_first(void *arg, const struct rad_error *err)
 
 /* Read a scene; types that the renderer lacks are no error. */
 static int
-read_any(struct compiled *c, const char *const *files, int n, bool commands,
+read_any(struct compiled *c, const struct compile_from *from,
          struct rad_error *err)
 {
-    int rc = compile_parse(c, files, n, commands, err);
+    int rc = compile_parse(c, from, err);
 
     if (rc)
         return rc;
@@ -254,6 +254,7 @@ run_rays(int argc, char **argv, struct rad_error *err)
 {
     struct rad_fault faults[RAD_MAX_FAULTS];
     struct rays_options options;
+    struct compile_from from;
     struct compiled c;
     struct rad_files files;
     struct words w;
@@ -263,10 +264,9 @@ run_rays(int argc, char **argv, struct rad_error *err)
     if (rc)
         return rc;
     first = rays_options(&options, &w, err);
-    rc = first < 0
-             ? first
-             : compile_read(&c, (const char *const *)w.list + first,
-                            w.n - first, options.commands, NULL, NULL, err);
+    from = (struct compile_from){ (const char *const *)w.list + first,
+                                  w.n - first, options.commands };
+    rc = first < 0 ? first : compile_read(&c, &from, NULL, NULL, err);
     if (!rc) {
         files = compile_files(&c);
         memset(faults, 0, sizeof faults);
@@ -302,19 +302,19 @@ run_on_files(const struct subcommand *sub, int argc, char **argv,
     bool commands = argc > 1 && strcmp(argv[1], "--commands") == 0;
     const char *const *files = (const char *const *)argv + 1 + commands;
     bool dashes = argc > 1 + commands && strcmp(files[0], "--") == 0;
-    int rc, n = argc - 1 - commands - dashes;
+    struct compile_from from = { files + dashes, argc - 1 - commands - dashes,
+                                 commands };
     struct told told = { 0 };
     struct compiled c;
+    int rc;
 
-    files += dashes;
-    if (n < 1)
+    if (from.n < 1)
         return rad_fail(err, RAD_EUSAGE, "no scene file");
-    for (int i = 0; i < n && !dashes; i++)
+    for (int i = 0; i < from.n && !dashes; i++)
         if (files[i][0] == '-' && files[i][1] != '\0')
             return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", files[i]);
-    rc = sub->strict
-             ? compile_read(&c, files, n, commands, print_each, &told, err)
-             : read_any(&c, files, n, commands, err);
+    rc = sub->strict ? compile_read(&c, &from, print_each, &told, err)
+                     : read_any(&c, &from, err);
     if (!rc) {
         rc = sub->run(&c, err);
         compile_release(&c);

@@ -238,6 +238,8 @@ find_file(struct compiled *c, const char *name, const char *dir,
 
 /* A file of the bundle that is being written; its hash will be its name. */
 struct storing {
+    struct compiled *c;
+    const char *dir;
     struct rad_fd to;
     struct rad_sha sha;
     uint64_t size;
@@ -245,10 +247,13 @@ struct storing {
 };
 
 static int
-store_begin(struct storing *f, const char *dir, struct rad_error *err)
+store_begin(struct storing *f, struct compiled *c, const char *dir,
+            struct rad_error *err)
 {
     int rc;
 
+    f->c = c;
+    f->dir = dir;
     if ((size_t)snprintf(f->path, sizeof f->path, "%s/new", dir) >=
         sizeof f->path - RAD_SHA_HEX)
         return rad_fail(err, RAD_ECANTCREAT, "path '%s' is too long", dir);
@@ -279,8 +284,8 @@ store_bytes(void *arg, const void *p, size_t n, struct rad_error *err)
 /* Give the file its name and enter it into the bundle; if rc is an error,
  * remove it. */
 static int
-store_end(struct storing *f, int rc, struct compiled *c, const char *dir,
-          enum rad_bundle_role role, const char *name, struct rad_error *err)
+store_end(struct storing *f, int rc, enum rad_bundle_role role,
+          const char *name, struct rad_error *err)
 {
     char hash[RAD_SHA_HEX + 1], path[sizeof f->path + RAD_SHA_HEX];
 
@@ -292,14 +297,15 @@ store_end(struct storing *f, int rc, struct compiled *c, const char *dir,
         rc = rad_fail(err, RAD_EIO, "cannot write '%s': %s", f->path,
                       strerror(errno));
     if (!rc) {
-        snprintf(path, sizeof path, "%s/%s", dir, hash);
+        snprintf(path, sizeof path, "%s/%s", f->dir, hash);
         if (rename(f->path, path))
             rc = rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", path,
                           strerror(errno));
     }
     if (rc)
         unlink(f->path);
-    return rc ? rc : rad_bundle_add(&c->bundle, role, name, hash, f->size, err);
+    return rc ? rc
+              : rad_bundle_add(&f->c->bundle, role, name, hash, f->size, err);
 }
 
 static int
@@ -307,12 +313,12 @@ bundle_octree(struct compiled *c, const char *dir, struct rad_error *err)
 {
     struct storing f;
     struct rad_sink out = { store_bytes, &f };
-    int rc = store_begin(&f, dir, err);
+    int rc = store_begin(&f, c, dir, err);
 
     if (rc)
         return rc;
     rc = rad_octfile_write(c->scene, &c->octree, &out, err);
-    return store_end(&f, rc, c, dir, RAD_BUNDLE_SCENE, NULL, err);
+    return store_end(&f, rc, RAD_BUNDLE_SCENE, NULL, err);
 }
 
 /* Add the file of an instance or a mesh, frozen if it is an octree. */
@@ -359,10 +365,10 @@ bundle_file(struct compiled *c, const char *name, const char *dir,
         return 0;
     if (rad_files_open(&files, name, &file, err) < 0)
         return err->code;
-    rc = store_begin(&f, dir, err);
+    rc = store_begin(&f, c, dir, err);
     if (!rc) {
         rc = store_stream(&f, &file.in, err);
-        rc = store_end(&f, rc, c, dir, RAD_BUNDLE_FILE, name, err);
+        rc = store_end(&f, rc, RAD_BUNDLE_FILE, name, err);
     }
     rad_opened_close(&file);
     return rc;
@@ -373,21 +379,24 @@ bundle_file(struct compiled *c, const char *name, const char *dir,
 /* Read the scene without the files of its instances and meshes.  After a
  * failure c has what was read, and must be released. */
 static int
-read_scene(struct compiled *c, const char *const *files, int n, bool commands,
-           struct reading *r, struct rad_error *err)
+read_scene(struct reading *r, const struct compile_from *from,
+           struct rad_error *err)
 {
+    struct compiled *c = r->c;
+    bool alone = from->n == 1;
     int rc;
 
     memset(c, 0, sizeof *c);
-    c->commands = commands;
+    c->commands = from->commands;
     rad_octree_init(&c->octree);
     rad_bundle_init(&c->bundle);
     c->scene = rad_scene_new();
     rc = c->scene ? paths_init(&c->paths, err) : rad_fail_memory(err);
     c->paths.inputs = r->inputs;
-    for (int i = 0; c->paths.raypath && i < n && (r->each || !rc); i++) {
-        int now = files[i][0] == '!' ? reading_command(r, files[i], n == 1, err)
-                                     : reading_file(r, files[i], n == 1, err);
+    for (int i = 0; c->paths.raypath && i < from->n && (r->each || !rc); i++) {
+        const char *name = from->files[i];
+        int now = name[0] == '!' ? reading_command(r, name, alone, err)
+                                 : reading_file(r, name, alone, err);
 
         rc = rc ? rc : now;
     }
@@ -405,11 +414,11 @@ include_parts(struct compiled *c,
 }
 
 int
-compile_parse(struct compiled *c, const char *const *files, int n,
-              bool commands, struct rad_error *err)
+compile_parse(struct compiled *c, const struct compile_from *from,
+              struct rad_error *err)
 {
     struct reading r = { .c = c };
-    int rc = read_scene(c, files, n, commands, &r, err);
+    int rc = read_scene(&r, from, err);
 
     if (!rc)
         rc = include_parts(c, NULL, NULL, err);
@@ -430,11 +439,11 @@ judge(void *arg, const struct rad_error *err)
 }
 
 static int
-read_and_check(struct reading *r, const char *const *files, int n,
-               bool commands, struct rad_error *err)
+read_and_check(struct reading *r, const struct compile_from *from,
+               struct rad_error *err)
 {
     struct compiled *c = r->c;
-    int now, rc = read_scene(c, files, n, commands, r, err);
+    int now, rc = read_scene(r, from, err);
 
     if (rc && (!r->each || r->octree || !c->paths.raypath)) {
         compile_release(c);
@@ -457,13 +466,13 @@ read_and_check(struct reading *r, const char *const *files, int n,
 }
 
 int
-compile_read(struct compiled *c, const char *const *files, int n, bool commands,
+compile_read(struct compiled *c, const struct compile_from *from,
              void (*each)(void *arg, const struct rad_error *err), void *arg,
              struct rad_error *err)
 {
     struct reading r = { .c = c, .each = each, .arg = arg };
 
-    return read_and_check(&r, files, n, commands, err);
+    return read_and_check(&r, from, err);
 }
 
 int
@@ -497,12 +506,12 @@ compile_add(struct compiled *c, const char *name, const void *bytes, size_t len,
             const char *dir, struct rad_error *err)
 {
     struct storing f;
-    int rc = store_begin(&f, dir, err);
+    int rc = store_begin(&f, c, dir, err);
 
     if (rc)
         return rc;
     rc = store_bytes(&f, bytes, len, err);
-    return store_end(&f, rc, c, dir, RAD_BUNDLE_FILE, name, err);
+    return store_end(&f, rc, RAD_BUNDLE_FILE, name, err);
 }
 
 void
@@ -561,12 +570,11 @@ compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
 }
 
 int
-compile_scene(struct compiled *c, const char *const *files, int n,
-              bool commands, const char *dir, struct inputs *inputs,
-              struct rad_error *err)
+compile_scene(struct compiled *c, const struct compile_from *from,
+              const char *dir, struct inputs *inputs, struct rad_error *err)
 {
     struct reading r = { .c = c, .inputs = inputs };
-    int rc = read_and_check(&r, files, n, commands, err);
+    int rc = read_and_check(&r, from, err);
 
     if (rc)
         return rc;

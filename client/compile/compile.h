@@ -29,24 +29,29 @@ struct compiled {
     struct rad_bundle bundle;
 };
 
-/* Read a scene of n files, and the files of its instances and meshes.  The
- * files are one octree, or any number of scene texts, where "-" is the standard
- * input and "!command" the output of a command.  An octree that is not frozen
- * is read from the scene files that it names, which are also looked for in its
- * folder; `!command` lines of those, and of instances' octrees, are refused
- * (RAD_EPERM) unless `commands` is set.
- * On failure *c is empty.
+/* The files of a scene: one octree, or any number of scene texts, where "-" is
+ * the standard input and "!command" the output of a command.  An octree that is
+ * not frozen is read from the scene files that it names, which are also looked
+ * for in its folder; `!command` lines of those, and of instances' octrees, are
+ * refused (RAD_EPERM) unless `commands` is set. */
+struct compile_from {
+    const char *const *files; /* n of them */
+    int n;
+    bool commands;
+};
+
+/* Read a scene, and the files of its instances and meshes.  On failure *c is
+ * empty.
  *   RAD_ENOINPUT  a file is missing, or cannot be read
  *   RAD_EDATA     what is wrong, with file and line */
-int compile_parse(struct compiled *c, const char *const *files, int n,
-                  bool commands, struct rad_error *err);
+int compile_parse(struct compiled *c, const struct compile_from *from,
+                  struct rad_error *err);
 
 /* Read a scene, as above, and check it.  With `each` all errors that can be
  * found are reported, one by one, and so are warnings (RAD_WARNING); *err gets
  * the first error. RAD_ENOINPUT      a file that an object needs is missing
  *   RAD_EUNSUPPORTED  the renderer lacks a type */
-int compile_read(struct compiled *c, const char *const *files, int n,
-                 bool commands,
+int compile_read(struct compiled *c, const struct compile_from *from,
                  void (*each)(void *arg, const struct rad_error *err),
                  void *arg, struct rad_error *err);
 
@@ -83,8 +88,8 @@ int compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
  * that the scene needs, into the existing folder dir, under their hashes
  * (cargo.h).  The files that were read, on failure as well, are noted in
  * inputs, which may be NULL and must outlive *c. */
-int compile_scene(struct compiled *c, const char *const *files, int n,
-                  bool commands, const char *dir, struct inputs *inputs,
+int compile_scene(struct compiled *c, const struct compile_from *from,
+                  const char *dir, struct inputs *inputs,
                   struct rad_error *err);
 
 void compile_release(struct compiled *c);

@@ -27,6 +27,8 @@ set_up(void)
 
 FIXTURE(set_up, scratch_remove)
 
+#define FROM(files, n) (&(struct compile_from){ (files), (n), false })
+
 /* dir/name, good until eight more were asked for */
 static const char *
 in_dir(const char *name)
@@ -61,7 +63,7 @@ message_of(const char *text)
     char *p;
 
     put_file("a.rad", text);
-    if (compile_read(&c, &file, 1, false, NULL, NULL, &err) == 0) {
+    if (compile_read(&c, FROM(&file, 1), NULL, NULL, &err) == 0) {
         compile_release(&c);
         return "";
     }
@@ -85,7 +87,7 @@ TEST(commands_run_in_their_files_folder)
     put_file("sub/more.rad", "void bubble b 0 0 4 1 1 1 2");
     put_file("sub/a.rad", "!cat part.rad\n" SPHERE);
     file = in_dir("sub/a.rad");
-    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, FROM(&file, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 3);
     ck_assert_int_eq(c.scene->objects[1].type, RAD_BUBBLE);
     compile_release(&c);
@@ -110,7 +112,7 @@ TEST(commands_run_in_our_folder_for_files_that_are_only_there)
     put_file("sub/a.rad", "!cat ./parts/ball.rad | cat\n!cat both.rad\n"
                           "!cd own; cat wall.rad\n");
     ck_assert_int_eq(chdir(in_dir(".")), 0);
-    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, FROM(&file, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 3);
     compile_release(&c);
     ck_assert_int_eq(chdir(here), 0);
@@ -126,7 +128,7 @@ TEST(much_output_is_read)
     struct compiled c;
 
     put_file("a.rad", text);
-    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, FROM(&file, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 4000);
     ck_assert(c.scene->objects[3999].reals[3] == 3999.5);
     compile_release(&c);
@@ -238,7 +240,7 @@ manifest_of(struct compiled *c)
     char *text;
 
     mkdir(in_dir("out"), 0700);
-    if (compile_scene(c, &file, 1, false, in_dir("out"), NULL, &err))
+    if (compile_scene(c, FROM(&file, 1), in_dir("out"), NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     text = rad_bundle_format(&c->bundle, &len);
     ck_assert_ptr_nonnull(text);
@@ -377,7 +379,7 @@ TEST(files_make_one_scene)
 
     put_file("m.rad", "void plastic m 0 0 5 .5 .5 .5 0 0\n");
     put_file("s.rad", "m sphere s 0 0 4 0 0 0 1\n");
-    ck_assert_int_eq(compile_read(&c, files, 2, false, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, FROM(files, 2), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->objects[1].modifier, 0);
     compile_release(&c);
 }
@@ -391,7 +393,7 @@ freeze(void)
     struct rad_fd to = { -1, "a.oct" };
     struct rad_sink out = rad_fd_sink(&to);
 
-    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, FROM(&file, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(compile_octree(&c, RAD_OCTREE_LEAF, NULL), 0);
     to.fd = open(in_dir("a.oct"), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     ck_assert_int_ge(to.fd, 0);
@@ -410,15 +412,14 @@ TEST(an_octree_is_a_scene_whatever_its_name)
                       "sphere s 0 0 4 0 0 0 1\n");
     freeze();
     files[0] = in_dir("a.oct");
-    ck_assert_int_eq(compile_read(&c, files, 1, false, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, FROM(files, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 2);
     compile_release(&c);
     files[1] = in_dir("a.rad");
-    ck_assert_int_eq(compile_read(&c, files, 2, false, NULL, NULL, &err),
+    ck_assert_int_eq(compile_read(&c, FROM(files, 2), NULL, NULL, &err),
                      RAD_EUSAGE);
     ck_assert_int_eq(rename(files[0], files[1]), 0);
-    ck_assert_int_eq(compile_read(&c, files + 1, 1, false, NULL, NULL, NULL),
-                     0);
+    ck_assert_int_eq(compile_read(&c, FROM(files + 1, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 2);
     compile_release(&c);
 }
@@ -430,7 +431,7 @@ TEST(a_scene_comes_from_standard_input)
 
     put_file("a.rad", "!echo " SPHERE SPHERE);
     ck_assert_ptr_nonnull(freopen(in_dir("a.rad"), "r", stdin));
-    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, FROM(&file, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 2);
     compile_release(&c);
 }
@@ -452,7 +453,7 @@ TEST(every_error_is_told_once)
 
     put_file("a.rad", "x sphere s 0 0 4 0 0 0 1\n!exit 1\nvoid sphere");
     put_file("b.rad", "y sphere s 0 0 4 0 0 0 1\n");
-    ck_assert_int_eq(compile_read(&c, files, 3, false, count_errors, &n, &err),
+    ck_assert_int_eq(compile_read(&c, FROM(files, 3), count_errors, &n, &err),
                      RAD_ENOINPUT);
     ck_assert_int_eq(n, 6); /* with the warning that nothing came of `exit 1` */
     ck_assert_ptr_nonnull(strstr(err.what, "none.rad"));
@@ -461,7 +462,7 @@ TEST(every_error_is_told_once)
     put_file("a.rad",
              "void plastic m 0 0 4 1 1 1 0\nvoid mesh y 1 x.rtm 0 0\n");
     ck_assert_int_eq(
-        compile_read(&c, files + 1, 1, false, count_errors, &n, NULL),
+        compile_read(&c, FROM(files + 1, 1), count_errors, &n, NULL),
         RAD_ENOINPUT);
     ck_assert_int_eq(n, 2);
 }
@@ -495,7 +496,7 @@ LOOP_TEST(known_scenes_compile, 4)
     struct compiled c;
     struct rad_error err = { 0 };
 
-    if (compile_scene(&c, &file, 1, false, dir, NULL, &err))
+    if (compile_scene(&c, FROM(&file, 1), dir, NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     ck_assert_int_eq(c.scene->nobjects, scenes[_i].objects);
     compile_release(&c);
@@ -511,7 +512,7 @@ TEST(the_example_compiles)
     snprintf(path, sizeof path, "%s/examples/reading-room/room.rad",
              top ? top : ".");
     file = path;
-    if (compile_read(&c, &file, 1, false, NULL, NULL, &err))
+    if (compile_read(&c, FROM(&file, 1), NULL, NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     ck_assert_int_gt(c.scene->nobjects, 100);
     compile_release(&c);

@@ -574,8 +574,10 @@ main(int argc, char **argv)
     int rc;
 
     if (read_options(&t, argc, argv, &err) < 0 ||
-        compile_read(&c, (const char *const *)t.scenes, t.nscenes, true, NULL,
-                     NULL, &err) < 0)
+        compile_read(&c,
+                     &(struct compile_from){ (const char *const *)t.scenes,
+                                             t.nscenes, true },
+                     NULL, NULL, &err) < 0)
         return say(&err);
     rc = render_scene(&t, &c, &err);
     compile_release(&c);
