@@ -273,8 +273,9 @@ run_rays(int argc, char **argv, struct rad_error *err)
         if (options.ambfile)
             rc = compile_digest(&c, digest, err);
         if (!rc)
-            rc = rays_run(&options, c.scene, &files, stdin, stdout, digest,
-                          faults, err);
+            rc = rays_run(&options,
+                          &(struct rays_scene){ c.scene, &files, digest },
+                          stdin, stdout, faults, err);
         warn_of_faults(c.scene, faults);
         compile_release(&c);
     }

@@ -125,14 +125,13 @@ struct planes {
 
 static int
 add_plane(struct planes *p, struct rad_params params,
-          const struct rad_scene *scene, const struct rad_files *files,
-          struct rad_error *err)
+          const struct rays_scene *s, struct rad_error *err)
 {
     struct rad_error why = { 0 };
 
     if (p->bands.n > 3)
         params.bands.plane = p->bands.plane < 0 ? p->n : p->bands.plane;
-    p->job[p->n] = rad_job_new(scene, &params, files, &why);
+    p->job[p->n] = rad_job_new(s->scene, &params, s->files, &why);
     if (p->job[p->n] && rad_ctx_init(&p->ctx[p->n], p->job[p->n], &why) == 0) {
         p->n++;
         return 0;
@@ -145,8 +144,7 @@ add_plane(struct planes *p, struct rad_params params,
 
 static int
 prepare_planes(struct planes *p, const struct rays_options *o,
-               const struct rad_scene *scene, const struct rad_files *files,
-               struct rad_error *err)
+               const struct rays_scene *s, struct rad_error *err)
 {
     struct rad_bands colours = rad_bands_rgb();
     int rc = 0;
@@ -155,7 +153,7 @@ prepare_planes(struct planes *p, const struct rays_options *o,
     rad_arena_init(&p->arena);
     if (!rad_bands_many(&p->bands)) /* three channels, maybe of one plane */
         p->bands.n = 3;
-    else if (!rad_scene_spectrum(scene))
+    else if (!rad_scene_spectrum(s->scene))
         p->bands.plane = RAD_PLANE_COLOURS;
     if (p->bands.n > 3 && !o->spectral) {
         p->eye = rad_spectrum_new(&p->arena, p->bands.n, p->bands.longest,
@@ -163,7 +161,7 @@ prepare_planes(struct planes *p, const struct rays_options *o,
         rc = p->eye ? 0 : rad_fail_memory(err);
     }
     for (int i = 0; rc == 0 && i < rad_bands_planes(&p->bands); i++)
-        rc = add_plane(p, o->params, scene, files, err);
+        rc = add_plane(p, o->params, s, err);
     return rc;
 }
 
@@ -291,16 +289,16 @@ trace_with_file(const struct rays_options *o, const char *digest,
 }
 
 int
-rays_run(const struct rays_options *o, const struct rad_scene *scene,
-         const struct rad_files *files, FILE *in, FILE *out, const char *digest,
-         struct rad_fault faults[RAD_MAX_FAULTS], struct rad_error *err)
+rays_run(const struct rays_options *o, const struct rays_scene *s, FILE *in,
+         FILE *out, struct rad_fault faults[RAD_MAX_FAULTS],
+         struct rad_error *err)
 {
     struct planes p;
-    int rc = prepare_planes(&p, o, scene, files, err);
+    int rc = prepare_planes(&p, o, s, err);
 
     memset(faults, 0, RAD_MAX_FAULTS * sizeof *faults);
     if (rc == 0) {
-        rc = o->ambfile ? trace_with_file(o, digest, &p, in, out, err)
+        rc = o->ambfile ? trace_with_file(o, s->digest, &p, in, out, err)
                         : trace_lines(&p, o->irradiance, in, out, err);
         memcpy(faults, p.ctx[0].counts.faults, RAD_MAX_FAULTS * sizeof *faults);
     }

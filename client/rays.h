@@ -33,15 +33,20 @@ struct rays_options {
 int rays_options(struct rays_options *o, struct words *w,
                  struct rad_error *err);
 
-/* Trace the rays of `in`.  The scene must be checked; `files` has those that it
- * needs.  `faults` gets the objects whose functions failed (trace/job.h).  With
- * -af the file's records are read first, and written after the last ray with
- * those that were made; digest is compile_digest()'s, and only needed for this.
+/* What is traced. */
+struct rays_scene {
+    const struct rad_scene *scene; /* checked */
+    const struct rad_files *files; /* that it needs */
+    const char *digest;            /* compile_digest()'s; only for -af */
+};
+
+/* Trace the rays of `in`.  `faults` gets the objects whose functions failed
+ * (trace/job.h).  With -af the file's records are read first, and written after
+ * the last ray with those that were made.
  * RAD_EDATA with "stdin:LINE": a line is not six finite numbers; RAD_EIO; or
  * why the scene cannot be rendered. */
-int rays_run(const struct rays_options *o, const struct rad_scene *scene,
-             const struct rad_files *files, FILE *in, FILE *out,
-             const char *digest, struct rad_fault faults[RAD_MAX_FAULTS],
+int rays_run(const struct rays_options *o, const struct rays_scene *s, FILE *in,
+             FILE *out, struct rad_fault faults[RAD_MAX_FAULTS],
              struct rad_error *err);
 
 #endif

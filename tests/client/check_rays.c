@@ -45,7 +45,8 @@ run(const char *options, const char *input, char *buf, size_t size,
         ck_assert_int_eq(rad_scene_check(s, NULL, NULL, err), 0);
         fputs(input, in);
         rewind(in);
-        rc = rays_run(&o, s, NULL, in, out, NULL, faults, err);
+        rc = rays_run(&o, &(struct rays_scene){ .scene = s }, in, out, faults,
+                      err);
     }
     rewind(out);
     n = fread(buf, 1, size - 1, out);
