@@ -39,6 +39,8 @@ static int
 write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
               size_t len, struct rad_error *err)
 {
+    struct picfile to = { .format = (enum picfile_format)p->o.format,
+                          .durable = !p->cluster.embedded };
     char *name = NULL;
     uint8_t *exposed = NULL;
     int rc = 0;
@@ -46,15 +48,14 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
     if (p->o.output)
         rc = frames_name(&p->frames, &p->o, p->o.output, frame, &name, err);
     if (rc == 0 && p->rif.exposure > 0 && p->rif.exposure != 1 &&
-        !submit_options_spectra(&p->o) &&
-        !picfile_is_png(name, (enum picfile_format)p->o.format)) {
+        !submit_options_spectra(&p->o) && !picfile_is_png(name, to.format)) {
         rc = expose(picture, len, p->rif.exposure, &exposed, &len, err);
         picture = exposed;
     }
     if (rc == 0) {
         program_loop_free_signals(&p->loop, name);
-        rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
-                           !p->cluster.embedded, &p->o.show, err);
+        to.path = name;
+        rc = picfile_write(&to, picture, len, &p->o.show, err);
         program_loop_catch_signals(&p->loop);
     }
     free(exposed);
@@ -114,11 +115,11 @@ program_on_preview(void *arg, const uint8_t *picture, size_t len,
 void
 program_show_whole(struct program *p, const uint8_t *picture, size_t len)
 {
+    const struct picfile to = { p->o.preview, PICFILE_PNG, .durable = false };
     struct rad_error why = { 0 };
 
     program_loop_free_signals(&p->loop, p->o.preview);
-    picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, &p->o.show,
-                  &why);
+    picfile_write(&to, picture, len, &p->o.show, &why);
     program_loop_catch_signals(&p->loop);
     note_preview(p, &why);
     memset(&p->preview.last, 0, sizeof p->preview.last);

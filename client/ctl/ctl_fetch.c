@@ -287,9 +287,12 @@ put(struct ctl *c, const struct rad_memory_out *f)
 
     if (is_numbered(c->output))
         rc = outname_frame(&name, c->output, frame_number(f), true, c->err);
-    if (rc == 0)
-        rc = picfile_write(name ? name : c->output, PICFILE_BY_SUFFIX, f->bytes,
-                           f->len, true, &c->show, c->err);
+    if (rc == 0) {
+        struct picfile to = { .path = name ? name : c->output,
+                              .durable = true };
+
+        rc = picfile_write(&to, f->bytes, f->len, &c->show, c->err);
+    }
     free(name);
     return rc;
 }

@@ -75,71 +75,54 @@ see(struct seen *s, const uint8_t *hdr, size_t n, struct rad_error *err)
     return 0;
 }
 
-/* Writes a picture as PNG into the sink. */
-typedef int picfile_fn(void *arg, const struct seen *s,
-                       const struct rad_sink *sink, struct rad_error *err);
-
+/* Write a picture as PNG: a whole one; or, with the last preview, a part. */
 static int
-write_png(const char *path, const uint8_t *hdr, size_t n, bool durable,
-          picfile_fn *fn, void *arg, struct rad_error *err)
+write_png(const char *path, const struct seen *s, struct show *show,
+          struct show_last *last, bool durable, struct rad_error *err)
 {
-    struct seen s;
     struct rad_output out = { 0 };
     struct rad_sink sink = { .write = put };
-    int rc = see(&s, hdr, n, err);
+    int rc = rad_output_open(&out, path, durable, err);
 
+    if (rc < 0)
+        return rc;
+    sink.arg = out.file;
+    rc = last ? show_preview(show, last, &s->pic, s->known, &sink, err)
+              : show_picture(show, &s->pic, s->known, &sink, err);
     if (rc == 0)
-        rc = rad_output_open(&out, path, durable, err);
-    if (rc == 0) {
-        sink.arg = out.file;
-        rc = fn(arg, &s, &sink, err);
-        if (rc == 0)
-            rc = rad_output_commit(&out, err);
-        else
-            rad_output_abort(&out);
-    }
+        return rad_output_commit(&out, err);
+    rad_output_abort(&out);
+    return rc;
+}
+
+int
+picfile_write(const struct picfile *to, const uint8_t *hdr, size_t n,
+              struct show *show, struct rad_error *err)
+{
+    struct seen s;
+    int rc;
+
+    if (!picfile_is_png(to->path, to->format))
+        return rad_output_write(to->path, hdr, rad_edge_begin(hdr, n),
+                                to->durable, err);
+    if ((rc = see(&s, hdr, n, err)) == 0)
+        rc = write_png(to->path, &s, show, NULL, to->durable, err);
     rad_picture_release(&s.pic);
     return rc;
 }
 
-static int
-whole(void *arg, const struct seen *s, const struct rad_sink *sink,
-      struct rad_error *err)
-{
-    return show_picture(arg, &s->pic, s->known, sink, err);
-}
-
-int
-picfile_write(const char *path, enum picfile_format format, const uint8_t *hdr,
-              size_t n, bool durable, struct show *show, struct rad_error *err)
-{
-    if (picfile_is_png(path, format))
-        return write_png(path, hdr, n, durable, whole, show, err);
-    return rad_output_write(path, hdr, rad_edge_begin(hdr, n), durable, err);
-}
-
-struct preview {
-    const struct show *show;
-    struct show_last *last;
-};
-
-static int
-part(void *arg, const struct seen *s, const struct rad_sink *sink,
-     struct rad_error *err)
-{
-    struct preview *p = arg;
-
-    return show_preview(p->show, p->last, &s->pic, s->known, sink, err);
-}
-
 int
 picfile_preview(const char *path, const uint8_t *hdr, size_t n,
-                const struct show *show, struct show_last *last,
+                struct show *show, struct show_last *last,
                 struct rad_error *err)
 {
-    struct preview p = { show, last };
+    struct seen s;
+    int rc = see(&s, hdr, n, err);
 
-    return write_png(path, hdr, n, false, part, &p, err);
+    if (rc == 0)
+        rc = write_png(path, &s, show, last, false, err);
+    rad_picture_release(&s.pic);
+    return rc;
 }
 
 int

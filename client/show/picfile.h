@@ -20,17 +20,22 @@ int picfile_check(const char *path, bool always_png, struct rad_error *err);
  * standard output. */
 bool picfile_is_png(const char *path, enum picfile_format format);
 
-/* Write the picture in hdr[0..n-1] to path (NULL: standard output), whole or
- * not at all: as it is, but for what meets within pixels (image/edge.h), or as
- * PNG by *show, which the picture may settle (show.h).  RAD_EDATA: the bytes
- * are not a picture; errors of output.h. */
-int picfile_write(const char *path, enum picfile_format format,
-                  const uint8_t *hdr, size_t n, bool durable, struct show *show,
-                  struct rad_error *err);
+struct picfile {
+    const char *path; /* NULL: standard output */
+    enum picfile_format format;
+    bool durable; /* sync to the disk */
+};
+
+/* Write the picture in hdr[0..n-1], whole or not at all: as it is, but for what
+ * meets within pixels (image/edge.h), or as PNG by *show, which the picture may
+ * settle (show.h).  RAD_EDATA: the bytes are not a picture; errors of output.h.
+ */
+int picfile_write(const struct picfile *to, const uint8_t *hdr, size_t n,
+                  struct show *show, struct rad_error *err);
 
 /* Write a picture that is not whole as PNG; see show_preview(). */
 int picfile_preview(const char *path, const uint8_t *hdr, size_t n,
-                    const struct show *show, struct show_last *last,
+                    struct show *show, struct show_last *last,
                     struct rad_error *err);
 
 /* Let a picture settle *show without writing it. */
