@@ -66,7 +66,7 @@ static int
 find_surroundings(struct program *p)
 {
     struct rad_params *q = &p->o.params;
-    const struct rad_points *of = NULL;
+    struct surroundings_of of = { p->frames.list, p->frames.n, NULL };
     struct rad_points points;
     struct surroundings s;
     uint8_t *bytes = NULL;
@@ -74,19 +74,17 @@ find_surroundings(struct program *p)
 
     if (p->o.points.file) {
         rc = pointjob_pack(&p->points, &points, &bytes, p->err);
-        of = bytes ? &points : NULL;
+        of.points = bytes ? &points : NULL;
     }
     if (rc == 0)
-        rc = surroundings_find(&s, p->scene.scene, p->frames.list, p->frames.n,
-                               of, p->err);
+        rc = surroundings_find(&s, p->scene.scene, &of, p->err);
     if (rc == 0 && q->surroundings == 0) {
         p->surroundings = s;
         if (!p->o.ambient)
             q->surroundings = surroundings_times(&s);
     }
     if (rc == 0 && lacks_place(p))
-        rc = surroundings_place(&s, p->frames.list, p->frames.n, of, q->shown,
-                                p->err);
+        rc = surroundings_place(&s, &of, q->shown, p->err);
     free(bytes);
     return rc;
 }

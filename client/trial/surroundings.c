@@ -304,11 +304,11 @@ look_at_points(struct look *l, const struct rad_points *points, double slack)
     }
 }
 
-/* Look along `views` of the n frames, or about the points. */
+/* Look along so many of the views, or about the points. */
 static int
 look_at_all(struct surroundings *s, struct look *l,
-            const struct msg_frame *frames, uint32_t n, uint32_t views,
-            const struct rad_points *points, struct rad_error *err)
+            const struct surroundings_of *of, uint32_t views,
+            struct rad_error *err)
 {
     double least = INFINITY, size;
     int rc = 0;
@@ -318,10 +318,11 @@ look_at_all(struct surroundings *s, struct look *l,
         int about = 0;
 
         l->n = 0;
-        if (points) {
-            look_at_points(l, points, 1e-7 * s->cube);
+        if (of->points) {
+            look_at_points(l, of->points, 1e-7 * s->cube);
         } else {
-            rc = read_view(&view, frames[(uint64_t)i * n / views].view, err);
+            rc = read_view(&view, of->frames[(uint64_t)i * of->n / views].view,
+                           err);
             if (rc == 0)
                 look_at_view(l, &view);
         }
@@ -336,12 +337,11 @@ look_at_all(struct surroundings *s, struct look *l,
 
 int
 surroundings_find(struct surroundings *s, const struct rad_scene *scene,
-                  const struct msg_frame *frames, uint32_t n,
-                  const struct rad_points *points, struct rad_error *err)
+                  const struct surroundings_of *of, struct rad_error *err)
 {
     uint8_t *surf = calloc((size_t)scene->nobjects + 1, 1);
     struct look *l = malloc(sizeof *l);
-    uint32_t views = points ? 1 : n < MOST_VIEWS ? n : MOST_VIEWS;
+    uint32_t views = of->points ? 1 : of->n < MOST_VIEWS ? of->n : MOST_VIEWS;
     struct rad_geom *geom = NULL;
     double lo[3], hi[3];
     int rc = 0;
@@ -362,7 +362,7 @@ surroundings_find(struct surroundings *s, const struct rad_scene *scene,
             s->cube = rad_most(s->cube, hi[k] - lo[k]);
         l->scene = scene;
         l->geom = geom;
-        rc = look_at_all(s, l, frames, n, views, points, err);
+        rc = look_at_all(s, l, of, views, err);
     }
     rad_geom_free(geom);
     free(l);
@@ -381,12 +381,13 @@ surroundings_times(const struct surroundings *s)
     return times > 1 ? times : 0;
 }
 
-/* Let the box hold all eyes of the n frames, or the places of all points: of
- * many frames or points not all are looked at. */
+/* Let the box hold all eyes, or the places of all points: of many frames or
+ * points not all are looked at. */
 static int
-hold_eyes(struct surroundings *s, const struct msg_frame *frames, uint32_t n,
-          const struct rad_points *points, struct rad_error *err)
+hold_eyes(struct surroundings *s, const struct surroundings_of *of,
+          struct rad_error *err)
 {
+    const struct rad_points *points = of->points;
     double org[3], dir[3];
     struct rad_view view;
     int rc = 0;
@@ -395,16 +396,16 @@ hold_eyes(struct surroundings *s, const struct msg_frame *frames, uint32_t n,
         for (int x = 0; x < points->width; x++)
             if (rad_points_at(points, x, y, org, dir))
                 hold(s, org, 0);
-    for (uint32_t i = 0; !points && i < n && rc == 0; i++)
-        if ((rc = read_view(&view, frames[i].view, err)) == 0)
+    for (uint32_t i = 0; !points && i < of->n && rc == 0; i++)
+        if ((rc = read_view(&view, of->frames[i].view, err)) == 0)
             hold(s, view.vp, 0);
     return rc;
 }
 
 /* In steps of a power of two, so that a picture's header has short numbers. */
 int
-surroundings_place(const struct surroundings *s, const struct msg_frame *frames,
-                   uint32_t n, const struct rad_points *points, double ball[4],
+surroundings_place(const struct surroundings *s,
+                   const struct surroundings_of *of, double ball[4],
                    struct rad_error *err)
 {
     struct surroundings all = *s;
@@ -414,7 +415,7 @@ surroundings_place(const struct surroundings *s, const struct msg_frame *frames,
     memset(ball, 0, 4 * sizeof *ball);
     if (!(s->shown > 0))
         return 0;
-    rc = hold_eyes(&all, frames, n, points, err);
+    rc = hold_eyes(&all, of, err);
     radius = ceil(sqrt(rad_dist2(all.lo, all.hi)) / 2 / step + 1) * step;
     if (rc < 0 || !isfinite(radius))
         return rc;

@@ -19,22 +19,26 @@ struct surroundings {
     double lo[3], hi[3]; /* of a box that holds these balls */
 };
 
-/* Find them for n frames, or for sensor points (else NULL).  RAD_ENOMEM, or
- * RAD_EDATA for a scene that cannot be traced. */
+/* What is shown. */
+struct surroundings_of {
+    const struct msg_frame *frames; /* n of them */
+    uint32_t n;
+    const struct rad_points *points; /* instead of frames; or NULL */
+};
+
+/* Find them.  RAD_ENOMEM, or RAD_EDATA for a scene that cannot be traced. */
 int surroundings_find(struct surroundings *s, const struct rad_scene *scene,
-                      const struct msg_frame *frames, uint32_t n,
-                      const struct rad_points *points, struct rad_error *err);
+                      const struct surroundings_of *of, struct rad_error *err);
 
 /* The value for --surroundings: a power of four, for views side by side are to
  * have the same; 0: the scene is not much larger. */
 int surroundings_times(const struct surroundings *s);
 
 /* Set *ball to centre and radius of a ball that holds what is shown, and all
- * eyes of the n frames, or all sensor points, as --shown has them; radius 0:
+ * eyes of the frames, or all sensor points, as --shown has them; radius 0:
  * that is not known.  RAD_EDATA: a frame's view is none. */
 int surroundings_place(const struct surroundings *s,
-                       const struct msg_frame *frames, uint32_t n,
-                       const struct rad_points *points, double ball[4],
+                       const struct surroundings_of *of, double ball[4],
                        struct rad_error *err);
 
 /* Is the least radius that -ar gives too large for what is shown? */

@@ -91,8 +91,11 @@ find(const char *scene, const struct msg_frame *frames, uint32_t n,
 
     memset(&w, 0, sizeof w);
     world_open(&w, scene, "");
-    ck_assert_int_eq(surroundings_find(&s, w.scene, frames, n, points, &w.err),
-                     0);
+    ck_assert_int_eq(
+        surroundings_find(&s, w.scene,
+                          &(struct surroundings_of){ frames, n, points },
+                          &w.err),
+        0);
     world_close(&w);
     return s;
 }
@@ -120,9 +123,10 @@ static void
 place(const struct surroundings *s, const struct msg_frame *frames, uint32_t n,
       const struct rad_points *points, double ball[4])
 {
+    struct surroundings_of of = { frames, n, points };
     struct rad_error err;
 
-    ck_assert_int_eq(surroundings_place(s, frames, n, points, ball, &err), 0);
+    ck_assert_int_eq(surroundings_place(s, &of, ball, &err), 0);
 }
 
 /* Of more frames than are looked at the eyes count. */
