@@ -6,6 +6,7 @@
 #include "common/outname.h"
 
 #include "base/files.h"
+#include "base/list.h"
 #include "image/filter.h"
 
 #include <limits.h>
@@ -19,21 +20,11 @@ enum { LONGEST_VIEWS = 64 << 20 /* most bytes of a views file */ };
 static int
 reserve(struct frames *f, struct rad_error *err)
 {
-    struct msg_frame *list;
-    uint32_t room = f->room ? 2 * f->room : 1;
-
-    if (f->n < f->room)
-        return 0;
     if (f->n >= MSG_MAX_FRAMES)
         return rad_fail(err, RAD_EUSAGE, "more than %d views", MSG_MAX_FRAMES);
-    list = rad_arena_calloc(&f->arena, room, sizeof *list);
-    if (!list)
-        return rad_fail_memory(err);
-    if (f->n > 0)
-        memcpy(list, f->list, f->n * sizeof *list);
-    f->list = list;
-    f->room = room;
-    return 0;
+    return rad_list_grow(&f->list, f->n, sizeof *f->list)
+               ? 0
+               : rad_fail_memory(err);
 }
 
 /* Check the size of what is rendered. */
@@ -69,8 +60,7 @@ add(struct frames *f, const struct submit_options *o,
     struct rad_view v = *as_given;
     double aspect = o->params.pixaspect;
     int width = o->params.xres, height = o->params.yres, rc;
-    char text[RAD_VIEW_TEXT];
-    struct msg_frame *frame;
+    char text[RAD_VIEW_TEXT], *view;
 
     if ((rc = rad_view_setup(&v, err)) < 0 || (rc = reserve(f, err)) < 0)
         return rc;
@@ -78,14 +68,13 @@ add(struct frames *f, const struct submit_options *o,
     if ((rc = check_size(o, width, height, err)) < 0)
         return rc;
     rad_view_format(as_given, text, sizeof text);
-    frame = &f->list[f->n];
-    frame->number = number;
-    frame->width = (uint32_t)width;
-    frame->height = (uint32_t)height;
-    frame->view = rad_arena_strndup(&f->arena, text, strlen(text));
-    if (!frame->view)
+    view = rad_arena_strndup(&f->arena, text, strlen(text));
+    if (!view)
         return rad_fail_memory(err);
-    f->n++;
+    f->list[f->n++] = (struct msg_frame){ .number = number,
+                                          .width = (uint32_t)width,
+                                          .height = (uint32_t)height,
+                                          .view = view };
     return 0;
 }
 
@@ -229,6 +218,7 @@ frames_name(const struct frames *f, const struct submit_options *o,
 void
 frames_release(struct frames *f)
 {
+    free(f->list);
     rad_arena_release(&f->arena);
     memset(f, 0, sizeof *f);
 }

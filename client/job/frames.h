@@ -12,9 +12,9 @@
 #include "base/arena.h"
 
 struct frames {
-    struct rad_arena arena; /* has the list, its views and their names */
+    struct rad_arena arena; /* has the views and their names */
     struct msg_frame *list; /* n of them */
-    uint32_t n, room;
+    uint32_t n;
     uint32_t seen; /* views, including those that --no-clobber leaves out */
     const char **names; /* of the views of a .rif file; else NULL */
 };

@@ -4,6 +4,7 @@
 #include "points/pointfile.h"
 
 #include "base/files.h"
+#include "base/list.h"
 #include "base/number.h"
 #include "points/points.h"
 
@@ -21,21 +22,14 @@
 static int
 reserve(struct pointfile *f, struct rad_error *err)
 {
-    double(*p)[6];
-
     if (f->n == RAD_MAX_POINTS)
         return rad_fail(err, RAD_EUSAGE,
                         "more than %d sensor points, which is the most that a "
                         "job can have: take them apart",
                         RAD_MAX_POINTS);
-    if (f->n < f->room)
-        return 0;
-    f->room = f->room ? 2 * f->room : 1024;
-    p = realloc(f->point, f->room * sizeof *p);
-    if (!p)
-        return rad_fail_memory(err);
-    f->point = p;
-    return 0;
+    return rad_list_grow(&f->point, f->n, sizeof *f->point)
+               ? 0
+               : rad_fail_memory(err);
 }
 
 static bool
@@ -215,7 +209,7 @@ int
 pointfile_take(struct pointfile *from, uint32_t n, struct pointfile *to,
                struct rad_error *err)
 {
-    *to = (struct pointfile){ .n = n, .room = n };
+    *to = (struct pointfile){ .n = n };
     if (n == 0)
         return 0;
     to->point = malloc(n * sizeof *to->point);

@@ -24,7 +24,6 @@ struct pointfile {
     uint64_t most;    /* points after so many are ignored */
     double (*point)[6];
     uint32_t n;
-    size_t room;
     uint64_t taken; /* points that were read before these, and taken */
     long line;      /* lines of text so far */
     bool returned;  /* the last of them ended with a return */
