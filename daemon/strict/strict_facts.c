@@ -310,7 +310,8 @@ use_above(struct strict *s, const struct msg_facts *m)
 void
 strict_facts(struct strict *s, const struct msg_facts *m)
 {
-    unsigned origin = RAD_FACT_FOREIGN;
+    struct rad_fact_rows of = { (int)m->row, (int)m->rows, m->channels,
+                                RAD_FACT_FOREIGN };
     struct rad_facts *facts;
     size_t n = (size_t)m->npixels * m->channels;
     float *pixels;
@@ -324,10 +325,9 @@ strict_facts(struct strict *s, const struct msg_facts *m)
     pixels = malloc(n * sizeof *pixels + 1);
     if (facts && pixels) {
         if (m->flags & MSG_FACTS_ESTIMATE)
-            origin |= RAD_FACT_ESTIMATE;
+            of.origin |= RAD_FACT_ESTIMATE;
         wire_floats_get(pixels, m->pixels, n);
-        rad_facts_import(facts, (int)m->row, (int)m->rows, m->channels, origin,
-                         m->bitmap, pixels, m->npixels);
+        rad_facts_import(facts, &of, m->bitmap, pixels, m->npixels);
         use_above(s, m);
     }
     free(pixels);

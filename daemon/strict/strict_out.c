@@ -372,8 +372,9 @@ pack_facts(struct strict *s, struct item *it)
         if (!make_room(s, (size_t)n * stride, (size_t)n * width * channels))
             return false;
         it->row += n;
-        count = rad_facts_export(facts, row, n, (int)channels, 0, s->bitmap,
-                                 s->floats);
+        count = rad_facts_export(
+            facts, &(struct rad_fact_rows){ row, n, (int)channels, 0 },
+            s->bitmap, s->floats);
         if (count == 0)
             continue;
         wire_floats_put(s->bytes, s->floats, count * channels);

@@ -199,22 +199,22 @@ give(float *to, const struct rad_pixel *p, int channels)
 }
 
 size_t
-rad_facts_export(struct rad_facts *f, int row, int n, int channels,
-                 unsigned origin, uint8_t *bitmap, float *pixels)
+rad_facts_export(struct rad_facts *f, const struct rad_fact_rows *of,
+                 uint8_t *bitmap, float *pixels)
 {
     size_t stride = rad_facts_stride(f->width), count = 0;
 
-    memset(bitmap, 0, (size_t)n * stride);
-    for (int k = 0; k < n; k++)
+    memset(bitmap, 0, (size_t)of->n * stride);
+    for (int k = 0; k < of->n; k++)
         for (int x = 0; x < f->width; x++) {
             uint8_t bit = (uint8_t)(1u << x % 8);
 
-            if (!is_new(f, x, row + k, origin))
+            if (!is_new(f, x, of->row + k, of->origin))
                 continue;
             bitmap[(size_t)k * stride + (size_t)x / 8] |= bit;
-            f->given[(size_t)(row + k) * stride + (size_t)x / 8] |= bit;
-            give(pixels + count++ * (size_t)channels,
-                 &f->pixels[at(f, x, row + k)], channels);
+            f->given[(size_t)(of->row + k) * stride + (size_t)x / 8] |= bit;
+            give(pixels + count++ * (size_t)of->channels,
+                 &f->pixels[at(f, x, of->row + k)], of->channels);
         }
     f->ngiven += count;
     return count;
@@ -290,11 +290,11 @@ put_foreign(struct rad_facts *f, int x, int row, const struct rad_pixel *p,
 }
 
 int
-rad_facts_import(struct rad_facts *f, int row, int n, int channels,
-                 unsigned origin, const uint8_t *bitmap, const float *pixels,
-                 size_t npixels)
+rad_facts_import(struct rad_facts *f, const struct rad_fact_rows *of,
+                 const uint8_t *bitmap, const float *pixels, size_t npixels)
 {
     size_t stride = rad_facts_stride(f->width), count = 0;
+    int row = of->row, n = of->n, channels = of->channels;
     struct rad_pixel p;
 
     if (row < 0 || n < 0 || row > f->rows || n > f->rows - row ||
@@ -305,6 +305,6 @@ rad_facts_import(struct rad_facts *f, int row, int n, int channels,
         for (int x = 0; x < f->width; x++)
             if (bit_of(bitmap, stride, k, x) &&
                 take(pixels + count++ * (size_t)channels, channels, &p))
-                put_foreign(f, x, row + k, &p, origin);
+                put_foreign(f, x, row + k, &p, of->origin);
     return 0;
 }

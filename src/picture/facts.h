@@ -65,13 +65,19 @@ size_t rad_facts_fresh(const struct rad_facts *f);
  * being the lowest. */
 size_t rad_facts_stride(int width);
 
-/* Export facts of rows [row, row + n) that were made here and never exported:
- * those of estimates (origin RAD_FACT_ESTIMATE) or the others (origin 0).
- * bitmap (n * stride bytes, row after row) gets a bit for each, and pixels, in
- * the order of the bits, `channels` floats for each: 3, or 4 with z.  pixels
- * has room for n * width facts.  Returns the number of bits. */
-size_t rad_facts_export(struct rad_facts *f, int row, int n, int channels,
-                        unsigned origin, uint8_t *bitmap, float *pixels);
+/* Facts of rows [row, row + n) as they travel: a bitmap (n * stride bytes, row
+ * after row) has a bit for each, and in the order of the bits come `channels`
+ * floats for each: 3, or 4 with z. */
+struct rad_fact_rows {
+    int row, n, channels;
+    unsigned origin; /* exported: of estimates (RAD_FACT_ESTIMATE), or others
+                      * (0); imported: as rad_facts_put() has it */
+};
+
+/* Export facts that were made here and never exported.  pixels has room for
+ * n * width facts.  Returns the number of bits. */
+size_t rad_facts_export(struct rad_facts *f, const struct rad_fact_rows *of,
+                        uint8_t *bitmap, float *pixels);
 
 /* Treat all facts as exported, and reset rad_facts_late(): no other worker
  * needs them any more.  Thread: as export. */
@@ -81,8 +87,8 @@ void rad_facts_settle(struct rad_facts *f);
  * pixels.  Values that are not finite or are negative are left out.
  * RAD_EPROTO, with nothing imported: rows outside the line, channels not 3 or
  * 4, bits beyond the width, or not npixels bits. */
-int rad_facts_import(struct rad_facts *f, int row, int n, int channels,
-                     unsigned origin, const uint8_t *bitmap,
-                     const float *pixels, size_t npixels);
+int rad_facts_import(struct rad_facts *f, const struct rad_fact_rows *of,
+                     const uint8_t *bitmap, const float *pixels,
+                     size_t npixels);
 
 #endif

@@ -32,10 +32,10 @@ give_again(struct rad_facts *f, int channels)
     uint8_t bitmap[ROWS * STRIDE];
     float pixels[4 * WIDTH * ROWS];
     struct rad_facts *g = rad_facts_new(WIDTH, ROWS);
-    size_t n = rad_facts_export(f, 0, ROWS, channels, 0, bitmap, pixels);
+    const struct rad_fact_rows all = { 0, ROWS, channels, 0 };
+    size_t n = rad_facts_export(f, &all, bitmap, pixels);
 
-    if (!g ||
-        rad_facts_import(g, 0, ROWS, channels, 0, bitmap, pixels, n) < 0 ||
+    if (!g || rad_facts_import(g, &all, bitmap, pixels, n) < 0 ||
         rad_facts_unused(g) != n || rad_facts_unused(f) != n)
         abort();
     rad_facts_free(g);
@@ -61,8 +61,8 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     pixel = sizeof(float) * (size_t)(channels > 0 ? channels : 1);
     bitmap = copy(data + 4, len);
     pixels = copy(data + 4 + len, size - 4 - len);
-    if (rad_facts_import(f, row, n, channels, 0, bitmap, pixels,
-                         (size - 4 - len) / pixel) == 0)
+    if (rad_facts_import(f, &(struct rad_fact_rows){ row, n, channels, 0 },
+                         bitmap, pixels, (size - 4 - len) / pixel) == 0)
         give_again(f, channels);
     free(bitmap);
     free(pixels);

@@ -511,8 +511,11 @@ estimate_area(struct net *net, int node, const struct msg_area *a, uint32_t n,
     }
     while (k->strict && team_line_row(&q, line) < (int)a->y)
         line++;
-    count = rad_facts_export(f, 0, (int)a->height, channels, RAD_FACT_ESTIMATE,
-                             bitmap, v);
+    count =
+        rad_facts_export(f,
+                         &(struct rad_fact_rows){ 0, (int)a->height, channels,
+                                                  RAD_FACT_ESTIMATE },
+                         bitmap, v);
     if (k->strict && count > 0) {
         uint8_t *bytes = malloc(count * (size_t)channels * 4);
 

@@ -98,17 +98,22 @@ struct parcel {
     size_t n;
 };
 
+#define ROWS_OF(row, n, channels, origin)                                      \
+    (&(struct rad_fact_rows){ (row), (n), (channels), (origin) })
+
 static void export(struct rad_facts *f, int row, int n, unsigned origin,
                    struct parcel *p)
 {
-    p->n = rad_facts_export(f, row, n, 4, origin, p->bitmap, p->pixels);
+    p->n =
+        rad_facts_export(f, ROWS_OF(row, n, 4, origin), p->bitmap, p->pixels);
 }
 
 static int
 import(struct rad_facts *f, int row, int n, unsigned origin,
        const struct parcel *p)
 {
-    return rad_facts_import(f, row, n, 4, origin, p->bitmap, p->pixels, p->n);
+    return rad_facts_import(f, ROWS_OF(row, n, 4, origin), p->bitmap, p->pixels,
+                            p->n);
 }
 
 TEST(facts_made_here_are_given_once)
@@ -183,10 +188,11 @@ TEST(without_depth_there_are_three_channels)
 
     put(f, 4, 0);
     put(f, 9, 0);
-    p.n = rad_facts_export(f, 0, 1, 3, 0, p.bitmap, p.pixels);
+    p.n = rad_facts_export(f, ROWS_OF(0, 1, 3, 0), p.bitmap, p.pixels);
     ck_assert_uint_eq(p.n, 2);
     ck_assert_float_eq(p.pixels[3], 9);
-    ck_assert_int_eq(rad_facts_import(g, 0, 1, 3, 0, p.bitmap, p.pixels, 2), 0);
+    ck_assert_int_eq(
+        rad_facts_import(g, ROWS_OF(0, 1, 3, 0), p.bitmap, p.pixels, 2), 0);
     ck_assert(rad_facts_get(g, 9, 0, &out));
     ck_assert_float_eq(out.L.g, 18);
     ck_assert(out.z == 0);
@@ -217,10 +223,11 @@ LOOP_TEST(malformed_parcels_leave_nothing, N_ELEM(bad))
     size_t n = 3 + (bad[_i].bits != 0);
 
     bitmap[bad[_i].byte] |= bad[_i].bits;
-    ck_assert_int_eq(rad_facts_import(f, bad[_i].row, bad[_i].n,
-                                      bad[_i].channels, 0, bitmap, pixels,
-                                      n + (size_t)bad[_i].more),
-                     RAD_EPROTO);
+    ck_assert_int_eq(
+        rad_facts_import(f,
+                         ROWS_OF(bad[_i].row, bad[_i].n, bad[_i].channels, 0),
+                         bitmap, pixels, n + (size_t)bad[_i].more),
+        RAD_EPROTO);
     for (int i = 0; i < MOST; i++)
         ck_assert(!rad_facts_get(f, i % WIDTH, i / WIDTH, &out));
     rad_facts_free(f);
@@ -234,7 +241,8 @@ TEST(values_that_no_ray_has_are_left_out)
     struct rad_pixel out;
     uint8_t bitmap[6] = { 31 };
 
-    ck_assert_int_eq(rad_facts_import(f, 0, 1, 4, 0, bitmap, pixels, 5), 0);
+    ck_assert_int_eq(
+        rad_facts_import(f, ROWS_OF(0, 1, 4, 0), bitmap, pixels, 5), 0);
     for (int x = 0; x < 5; x++)
         ck_assert_int_eq(rad_facts_get(f, x, 0, &out), x == 1);
     rad_facts_free(f);
