@@ -159,13 +159,13 @@ work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx,
     uint32_t n = e->rays < pixels ? e->rays : (uint32_t)pixels;
     uint32_t left =
         (uint64_t)n * (pass + 1) <= pixels ? n : (uint32_t)pixels - n * pass;
+    const struct rad_estimate_order again = { a->part, 0, n - left, stop };
+    const struct rad_estimate_order own = { a->part, n * pass, left, stop };
     struct rad_estimate cost = { 0 };
     struct rad_sampled *v = room_for(n);
 
-    if (left < n)
-        rad_estimate_trace(f, ctx, &a->part, 0, n - left, stop, &cost, v);
-    a->n[pass] =
-        rad_estimate_trace(f, ctx, &a->part, n * pass, left, stop, &cost, v);
+    rad_estimate_trace(f, ctx, &again, &cost, v); /* n - left may be 0 */
+    a->n[pass] = rad_estimate_trace(f, ctx, &own, &cost, v);
     a->sampled[pass] = v;
     if (pass == e->passes - 1)
         e->costs[i] = (struct msg_cost){ cost.rays, cost.tests };

@@ -83,19 +83,21 @@ rad_estimate_sort(struct rad_sampled *v, size_t n)
 
 size_t
 rad_estimate_trace(const struct rad_frame *f, struct rad_ctx *ctx,
-                   const struct rad_window *part, uint32_t first, uint32_t n,
-                   const _Atomic bool *stop, struct rad_estimate *cost,
-                   struct rad_sampled *out)
+                   const struct rad_estimate_order *order,
+                   struct rad_estimate *cost, struct rad_sampled *out)
 {
+    const struct rad_window *part = &order->part;
     uint64_t pixels = (uint64_t)part->width * (uint64_t)part->height;
     uint64_t rays = ctx->counts.rays, tests = ctx->counts.geom.tests;
+    uint64_t end = (uint64_t)order->first + order->n;
     size_t shown = 0;
 
-    for (uint64_t i = first; i < (uint64_t)first + n && i < pixels; i++) {
+    for (uint64_t i = order->first; i < end && i < pixels; i++) {
         struct rad_sampled *s = &out[shown];
         uint64_t primary = ctx->counts.primary_rays;
 
-        if (stop && atomic_load_explicit(stop, memory_order_relaxed))
+        if (order->stop &&
+            atomic_load_explicit(order->stop, memory_order_relaxed))
             break;
         rad_estimate_pixel(f->job->params.seed, f->number, part, (uint32_t)i,
                            &s->x, &s->y);

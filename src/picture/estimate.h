@@ -27,13 +27,18 @@ void rad_estimate_pixel(uint64_t seed, uint32_t frame,
                         const struct rad_window *part, uint32_t i, int *x,
                         int *y);
 
-/* Trace pixels `first` to first + n - 1 of that order, or up to the last of the
- * part, and add their cost to *cost.  The part must lie in the frame.  out,
- * with room for n, gets the pixels that the view shows; returns their number.
- * If *stop is set meanwhile, pixels are left out; stop may be NULL. */
+/* Pixels `first` to first + n - 1 of that order, or up to the last of the part,
+ * which must lie in the frame. */
+struct rad_estimate_order {
+    struct rad_window part;
+    uint32_t first, n;
+    const _Atomic bool *stop; /* once set, pixels are left out; or NULL */
+};
+
+/* Trace them, and add their cost to *cost.  out, with room for n, gets the
+ * pixels that the view shows; returns their number. */
 size_t rad_estimate_trace(const struct rad_frame *f, struct rad_ctx *ctx,
-                          const struct rad_window *part, uint32_t first,
-                          uint32_t n, const _Atomic bool *stop,
+                          const struct rad_estimate_order *order,
                           struct rad_estimate *cost, struct rad_sampled *out);
 
 /* Sort pixels by their rows, then columns. */

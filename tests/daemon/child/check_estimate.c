@@ -169,12 +169,12 @@ TEST(more_pixels_than_there_are_is_all_of_them)
 {
     static struct rad_sampled out[1000];
     const struct rad_window part = { 20, 20, 8, 5 };
+    const struct rad_estimate_order order = { part, 0, 1000, NULL };
     struct rad_estimate cost = { 0 };
     size_t n;
 
     open_pool(usual, false, 1);
-    n = rad_estimate_trace(&f.frame, &f.w.ctx, &part, 0, 1000, NULL, &cost,
-                           out);
+    n = rad_estimate_trace(&f.frame, &f.w.ctx, &order, &cost, out);
     rad_estimate_sort(out, n);
     ck_assert_uint_eq(n, 40);
     for (size_t i = 0; i < n; i++) { /* in order, and as they are */
@@ -246,12 +246,14 @@ LOOP_TEST(threads_count_what_one_counts, N_ELEM(runs))
     ck_assert_uint_eq(got.id, 9);
     ck_assert_uint_eq(got.ncosts, n);
     for (uint32_t i = 0; i < n; i++) {
-        struct rad_window part = { (int)areas[i].x, (int)areas[i].y,
-                                   (int)areas[i].width, (int)areas[i].height };
+        const struct rad_estimate_order order = {
+            { (int)areas[i].x, (int)areas[i].y, (int)areas[i].width,
+              (int)areas[i].height },
+            .n = runs[_i].rays
+        };
         struct rad_estimate cost = { 0 };
 
-        rad_estimate_trace(&f.frame, &f.w.ctx, &part, 0, runs[_i].rays, NULL,
-                           &cost, out);
+        rad_estimate_trace(&f.frame, &f.w.ctx, &order, &cost, out);
         ck_assert_uint_eq(got.costs[i].rays, cost.rays);
         if (runs[_i].threads == 1)
             ck_assert_uint_eq(got.costs[i].tests, cost.tests);
