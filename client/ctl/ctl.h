@@ -124,9 +124,10 @@ int ctl_run_priority(struct ctl *c);
 int ctl_run_job_report(struct ctl *c); /* job */
 
 /* ctl_fetch.c */
-/* Get a whole file of a job; the caller frees its bytes. */
+/* Get a whole file of a job, each piece within wait_ms; the caller frees its
+ * bytes. */
 int ctl_fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
-                   enum msg_what what, struct rad_memory_out *f);
+                   enum msg_what what, int wait_ms, struct rad_memory_out *f);
 int ctl_check_fetch(struct ctl *c);
 int ctl_run_fetch(struct ctl *c);
 

@@ -7,6 +7,7 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
+#include "ctl/row.h"
 
 #include "base/output.h"
 #include "common/table.h"
@@ -84,14 +85,10 @@ is_valid(const struct enroll *e, const char *worker, const char *id)
 
     json_array_foreach(e->keys, i, k)
     {
-        const char *role = json_string_value(json_object_get(k, "role"));
-        const char *name = json_string_value(json_object_get(k, "name"));
-        const char *state = json_string_value(json_object_get(k, "state"));
-        const char *is = json_string_value(json_object_get(k, "key"));
-
-        if (role && name && state && is && strcmp(role, "worker") == 0 &&
-            strcmp(name, worker) == 0 && strcmp(state, "valid") == 0 &&
-            (!id || strcmp(is, id) == 0))
+        if (strcmp(row_text(k, "role"), "worker") == 0 &&
+            strcmp(row_text(k, "name"), worker) == 0 &&
+            strcmp(row_text(k, "state"), "valid") == 0 &&
+            (!id || strcmp(row_text(k, "key"), id) == 0))
             return true;
     }
     return false;

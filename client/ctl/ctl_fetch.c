@@ -21,15 +21,18 @@
 
 int
 ctl_fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
-               enum msg_what what, struct rad_memory_out *f)
+               enum msg_what what, int wait_ms, struct rad_memory_out *f)
 {
     const struct msg *m;
     int rc =
         fetch_start(c->link, job, (uint32_t)frame, what, ++c->request, c->err);
 
     while (rc == 0) {
-        rc = link_recv(c->link, INT_MAX, &m, c->err);
-        if (rc == 1)
+        rc = link_recv(c->link, wait_ms, &m, c->err);
+        if (rc == 0)
+            rc = rad_fail(c->err, RAD_EUNAVAIL,
+                          "the coordinator does not answer");
+        else if (rc == 1)
             rc = m->request == c->request ? fetch_take(f, m, c->err) : 0;
     }
     uv_update_time(&c->loop);
@@ -44,7 +47,8 @@ get_of_job(struct ctl *c, int frame, struct rad_memory_out *f)
     uint8_t job[MSG_JOB];
     int rc = ctl_find_job(c, job);
 
-    return rc < 0 ? rc : ctl_fetch_file(c, job, frame, MSG_WHAT_PICTURE, f);
+    return rc < 0 ? rc
+                  : ctl_fetch_file(c, job, frame, MSG_WHAT_PICTURE, INT_MAX, f);
 }
 
 /* --- planes --- */

@@ -5,6 +5,7 @@
 #include "base/number.h"
 #include "common/table.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -196,7 +197,7 @@ ctl_run_job_report(struct ctl *c)
         return ctl_run_query(c);
     if ((rc = ctl_find_job(c, job)) < 0)
         return rc;
-    rc = ctl_fetch_file(c, job, 0, MSG_WHAT_STATS, &f);
+    rc = ctl_fetch_file(c, job, 0, MSG_WHAT_STATS, INT_MAX, &f);
     if (rc == 0) {
         stats = json_loadb((const char *)f.bytes, f.len, 0, NULL);
         rc = stats ? add_state(c, stats)

@@ -8,7 +8,6 @@
 #include "ctl/ctl.h"
 #include "ctl/top.h"
 #include "common/table.h"
-#include "link/fetch.h"
 #include "machine/lists.h"
 
 #include <curses.h>
@@ -53,38 +52,21 @@ now_ms(struct ctl *c)
 
 /* --- the coordinator --- */
 
-static int
-ask_stats(struct ctl *c, const uint8_t job[MSG_JOB], json_t **stats)
-{
-    struct rad_memory_out f = { 0 };
-    const struct msg *m;
-    uint32_t request = ++c->request;
-    int rc = fetch_start(c->link, job, 0, MSG_WHAT_STATS, request, c->err);
-
-    while (rc == 0) {
-        rc = link_recv(c->link, ANSWER_MS, &m, c->err);
-        if (rc == 0)
-            rc = rad_fail(c->err, RAD_EUNAVAIL,
-                          "the coordinator does not answer");
-        else if (rc == 1)
-            rc = m->request == request ? fetch_take(&f, m, c->err) : 0;
-    }
-    *stats = rc == 1 ? json_loadb((const char *)f.bytes, f.len, 0, NULL) : NULL;
-    free(f.bytes);
-    return rc < 0 ? rc : 0;
-}
-
 /* Get the statistics of the job that is shown.  None come if the job has gone,
  * or the user may not see it. */
 static int
 ask_job(struct screen *s, json_t **stats)
 {
+    struct rad_memory_out f = { 0 };
     uint8_t job[MSG_JOB];
     int rc;
 
     if (!s->top.job[0] || !msg_job_parse(s->top.job, job))
         return 0;
-    rc = ask_stats(s->c, job, stats);
+    rc = ctl_fetch_file(s->c, job, 0, MSG_WHAT_STATS, ANSWER_MS, &f);
+    if (rc == 0)
+        *stats = json_loadb((const char *)f.bytes, f.len, 0, NULL);
+    free(f.bytes);
     return rc == RAD_EUNAVAIL || rc == RAD_EPROTO ? rc : 0;
 }
 
