@@ -3,7 +3,6 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
-#include "ctl/keyctl.h"
 #include "common/table.h"
 #include "common/tell.h"
 #include "store/statecheck.h"
@@ -36,10 +35,43 @@ ctl_run_worker(struct ctl *c)
 
 /* --- keys --- */
 
+/* Make the order of the words after "key". */
+static int
+parse_key_order(struct ctl *c)
+{
+    static const char *const words[] = { [MSG_KEY_ADD] = "add",
+                                         [MSG_KEY_RETIRE] = "retire",
+                                         [MSG_KEY_LIST] = "list" };
+    const char *what = c->arg, *name = c->name;
+    int i = 0;
+
+    while (i < MSG_NKEY && strcmp(words[i], what) != 0)
+        i++;
+    if (i == MSG_NKEY)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "unknown command 'key %s': expected add, retire or "
+                        "list",
+                        what);
+    c->order = (struct key_order){ .what = (enum msg_key_order)i,
+                                   .name = name ? name : "" };
+    if (i != MSG_KEY_LIST && !name)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "command 'key %s': missing ROLE:NAME", what);
+    if (i == MSG_KEY_LIST && name)
+        return rad_fail(c->err, RAD_EUSAGE, "unexpected word '%s'", name);
+    if (strlen(c->order.name) >= KEY_ID)
+        return rad_fail(c->err, RAD_EUSAGE, "the key's name is too long");
+    if (c->expires && i != MSG_KEY_ADD)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "--expires goes with key add alone");
+    return c->expires ? key_date_parse(c->expires, &c->order.expires, c->err)
+                      : 0;
+}
+
 int
 ctl_check_key(struct ctl *c)
 {
-    int rc = keyctl_parse(&c->order, c->arg, c->name, c->expires, c->err);
+    int rc = parse_key_order(c);
 
     if (rc < 0)
         return rc;
@@ -52,18 +84,36 @@ ctl_check_key(struct ctl *c)
 }
 
 static int
+print_new_key(const json_t *root, struct rad_error *err)
+{
+    const char *line = json_string_value(json_object_get(root, "line"));
+
+    if (!line)
+        return rad_fail(err, RAD_EPROTO, "the answer holds no key");
+    tell(stdout, "%s", line);
+    return 0;
+}
+
+/* Print an answer: with --json as it is; else the line of a new key, or a table
+ * of a list. */
+static int
 print_keys(struct ctl *c, const char *text, size_t len)
 {
     json_error_t why;
     json_t *root = json_loadb(text, len, 0, &why);
-    int rc;
+    int rc = 0;
 
     if (!root)
         return rad_fail(c->err, RAD_EPROTO, "the answer is no JSON: %s",
                         why.text);
     if (c->order.what == MSG_KEY_LIST)
         ctl_filter(c, root, "name");
-    rc = keyctl_print(&c->order, root, c->json, c->err);
+    if (c->json)
+        table_print_json(stdout, root);
+    else if (c->order.what == MSG_KEY_ADD)
+        rc = print_new_key(root, c->err);
+    else
+        table_print(stdout, root);
     json_decref(root);
     return rc;
 }

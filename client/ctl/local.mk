@@ -11,8 +11,6 @@ radctl_SOURCES = \
 	client/ctl/radctl.c
 libclient_a_SOURCES += \
 	client/ctl/ctl_words.c \
-	client/ctl/keyctl.c \
-	client/ctl/keyctl.h \
 	client/ctl/row.h \
 	client/ctl/top.c \
 	client/ctl/top.h \
