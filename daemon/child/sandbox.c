@@ -14,6 +14,7 @@
 #include "child/sandbox.h"
 
 #include "base/list.h"
+#include "ground/filter.h"
 #include "ground/sanitized.h"
 
 #include <errno.h>
@@ -21,7 +22,6 @@
 #include <linux/landlock.h>
 #include <linux/seccomp.h>
 #include <sched.h>
-#include <seccomp.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -175,9 +175,21 @@ add_own_signals(scmp_filter_ctx f)
 }
 
 static int
+set_attributes(scmp_filter_ctx f)
+{
+    int rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_NNP, 0); /* is set already */
+
+    if (rc == 0)
+        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_SSB, 1);
+    if (rc == 0) /* a binary search among calls, not a walk */
+        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_OPTIMIZE, 2);
+    return rc;
+}
+
+static int
 fill_strict(scmp_filter_ctx f)
 {
-    int rc = 0;
+    int rc = set_attributes(f);
 
     for (size_t i = 0; i < N_ELEM(allowed) && rc == 0; i++)
         rc = seccomp_rule_add(f, SCMP_ACT_ALLOW, allowed[i], 0);
@@ -192,7 +204,7 @@ fill_strict(scmp_filter_ctx f)
 static int
 fill_loose(scmp_filter_ctx f)
 {
-    int rc = 0;
+    int rc = set_attributes(f);
 
     for (size_t i = 0; i < N_ELEM(denied) && rc == 0; i++)
         rc = seccomp_rule_add(f, SCMP_ACT_ERRNO(EPERM), denied[i], 0);
@@ -204,38 +216,10 @@ fill_seal(scmp_filter_ctx f)
 {
     static const int opening[] = { SCMP_SYS(open), SCMP_SYS(openat),
                                    SCMP_SYS(creat), SCMP_SYS(openat2) };
-    int rc = 0;
+    int rc = set_attributes(f);
 
     for (size_t i = 0; i < N_ELEM(opening) && rc == 0; i++)
         rc = seccomp_rule_add(f, SCMP_ACT_ERRNO(EACCES), opening[i], 0);
-    return rc;
-}
-
-/* Put a filter on all threads; 0 or a negative errno.  Where the library cannot
- * allocate it may load a filter that lacks calls, and say nothing: errno alone
- * tells. */
-static int
-put_on(uint32_t otherwise, int (*fill)(scmp_filter_ctx f))
-{
-    scmp_filter_ctx f = seccomp_init(otherwise);
-    int rc = f ? 0 : -ENOMEM;
-
-    errno = 0;
-    if (rc == 0)
-        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_NNP, 0); /* is set already */
-    if (rc == 0)
-        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_TSYNC, 1);
-    if (rc == 0)
-        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_SSB, 1);
-    if (rc == 0) /* a binary search among calls, not a walk */
-        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_OPTIMIZE, 2);
-    if (rc == 0)
-        rc = fill(f);
-    if (rc == 0)
-        rc = seccomp_load(f);
-    if (errno == ENOMEM)
-        rc = -ENOMEM;
-    seccomp_release(f);
     return rc;
 }
 
@@ -354,8 +338,9 @@ sandbox_begin(const char *files_dir, bool required, struct rad_error *err)
     if (!has_seccomp())
         return failed(-ENOSYS, required, err);
     if (RAD_SANITIZED)
-        return failed(put_on(SCMP_ACT_ALLOW, fill_loose), required, err);
-    return failed(put_on(SCMP_ACT_KILL_PROCESS, fill_strict), required, err);
+        return failed(filter_put_on(SCMP_ACT_ALLOW, fill_loose), required, err);
+    return failed(filter_put_on(SCMP_ACT_KILL_PROCESS, fill_strict), required,
+                  err);
 }
 
 int
@@ -363,5 +348,5 @@ sandbox_seal(bool required, struct rad_error *err)
 {
     if (RAD_SANITIZED || !has_seccomp())
         return 0; /* as in sandbox_begin(); radd has told that it is lacking */
-    return failed(put_on(SCMP_ACT_ALLOW, fill_seal), required, err);
+    return failed(filter_put_on(SCMP_ACT_ALLOW, fill_seal), required, err);
 }

@@ -6,6 +6,8 @@ libdaemon_a_SOURCES += \
 	daemon/ground/daemon.h \
 	daemon/ground/disk.c \
 	daemon/ground/disk.h \
+	daemon/ground/filter.c \
+	daemon/ground/filter.h \
 	daemon/ground/lossy.c \
 	daemon/ground/lossy.h \
 	daemon/ground/mark.c \

@@ -9,13 +9,13 @@
 #include "web/confine.h"
 
 #include "base/list.h"
+#include "ground/filter.h"
 #include "ground/sanitized.h"
 #include "net/log.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <sched.h>
-#include <seccomp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
@@ -70,25 +70,6 @@ fill(scmp_filter_ctx f)
     return rc;
 }
 
-/* 0 or a negative errno.  Where the library cannot allocate it may load a
- * filter that lacks calls, and say nothing: errno alone tells. */
-static int
-put_on(void)
-{
-    scmp_filter_ctx f = seccomp_init(SCMP_ACT_ALLOW);
-    int rc = f ? seccomp_attr_set(f, SCMP_FLTATR_CTL_TSYNC, 1) : -ENOMEM;
-
-    errno = 0;
-    if (rc == 0)
-        rc = fill(f);
-    if (rc == 0)
-        rc = seccomp_load(f);
-    if (errno == ENOMEM)
-        rc = -ENOMEM;
-    seccomp_release(f);
-    return rc;
-}
-
 int
 confine_begin(struct rad_error *err)
 {
@@ -101,7 +82,9 @@ confine_begin(struct rad_error *err)
     prctl(PR_SET_DUMPABLE, 0);
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0)
         return rad_fail(err, RAD_EPERM, "no sandbox: %s", strerror(errno));
-    rc = put_on();
+    rc = filter_put_on(SCMP_ACT_ALLOW, fill);
+    if (rc == -ENOMEM)
+        return rad_fail_memory(err);
     if (rc == -ENOSYS || rc == -EINVAL)
         log_warn("sandbox incomplete lacks=seccomp");
     else if (rc < 0)

@@ -10,7 +10,7 @@
 #include "base/error.h"
 
 /* Give up the rights.  If the kernel has no seccomp that is logged, and 0
- * returned.  RAD_EPERM: the kernel refuses. */
+ * returned.  RAD_EPERM: the kernel refuses; RAD_ENOMEM. */
 int confine_begin(struct rad_error *err);
 
 #endif
