@@ -238,15 +238,16 @@ desk_can_balance(const struct job *job)
 
 bool
 desk_others_may(const struct coord *c, const struct job *job,
-                const struct coord_worker *w, bool late)
+                const struct coord_worker *w, bool ever)
 {
     for (const struct coord_worker *o = c->workers; o; o = o->next) {
         uint32_t i = desk_index(job, o);
 
         if (o != w && desk_takes_units(o) &&
-            (i == JOB_NOBODY || (job->parts[i].state != PART_EXCLUDED &&
-                                 job->parts[i].state != PART_NO_ROOM &&
-                                 (late || !job->parts[i].late))))
+            (i == JOB_NOBODY ||
+             (job->parts[i].state != PART_EXCLUDED &&
+              (ever ||
+               (job->parts[i].state != PART_NO_ROOM && !job->parts[i].late)))))
             return true;
     }
     return false;

@@ -130,9 +130,9 @@ bool desk_is_idle(const struct job *job, uint32_t index);
  * to leave, or a job of higher priority has units for it? */
 bool desk_gives_way(const struct job *job, uint32_t index);
 /* Is there a worker other than w that may do the job?  Workers that are late in
- * the job count only if `late`. */
+ * the job, or have no room for it yet, count only if `ever`. */
 bool desk_others_may(const struct coord *c, const struct job *job,
-                     const struct coord_worker *w, bool late);
+                     const struct coord_worker *w, bool ever);
 /* The date: the time by a clock that runs on while the machine sleeps.  By it
  * jobs that are over age; for workers no time passes during a sleep. */
 uint64_t desk_date_ms(const struct coord *c);

@@ -31,22 +31,6 @@
  */
 #define MOST_LOSSES 2
 
-/* Is there a worker other than w that takes units, and may have some of this
- * job? */
-static bool
-others_than(const struct coord *c, const struct job *job,
-            const struct coord_worker *w)
-{
-    for (const struct coord_worker *o = c->workers; o; o = o->next) {
-        uint32_t i = desk_index(job, o);
-
-        if (o != w && desk_takes_units(o) &&
-            (i == JOB_NOBODY || job->parts[i].state != PART_EXCLUDED))
-            return true;
-    }
-    return false;
-}
-
 /* The leading attempt is over: another may lead.  End the attempts whose rows
  * were dropped, for they cannot. */
 static void
@@ -343,7 +327,8 @@ crashed_loading(struct coord *c, struct job *job, struct job_part *part,
     again = workers < 2 || m->status != EX_SOFTWARE;
     if (again && part->load_crashes < JOB_MAX_CRASHES)
         return true;
-    if (ready_worker(job) || (again && others_than(c, job, part->worker))) {
+    if (ready_worker(job) ||
+        (again && desk_others_may(c, job, part->worker, true))) {
         *to = PART_EXCLUDED;
         return true;
     }

@@ -191,6 +191,25 @@ TEST(a_job_that_nobody_can_keep_a_child_for_fails)
     ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text, "out of memory"));
 }
 
+/* The other may have room again. */
+TEST(a_job_waits_for_a_worker_without_room_if_no_other_can_keep_a_child)
+{
+    struct msg room = { .type = MSG_ROOM,
+                        .room = { job_a, false, "the disk is full" } };
+
+    submit(ANA, job_a, 0);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    say(SECOND, &room);
+    for (int i = 1; i <= JOB_MAX_SETBACKS; i++) {
+        ready(WORKER, job_a);
+        set_back(WORKER);
+    }
+    ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
+    room.room.has = true;
+    say(SECOND, &room);
+    ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
+}
+
 TEST(a_unit_done_makes_up_for_setbacks)
 {
     submit(ANA, job_a, 0);
