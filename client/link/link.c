@@ -372,18 +372,15 @@ can_open(int n)
 int
 link_loop_init(uv_loop_t *loop, uv_work_t *first, struct rad_error *err)
 {
-    int rc;
-
     memory_catch();
     if (!can_open(LOOP_DESCRIPTORS))
         return rad_fail(err, RAD_ENOMEM,
                         "too few descriptors for an event loop: see ulimit -n");
     if (uv_loop_init(loop) != 0)
         return rad_fail_memory(err);
-    rc = first ? threads_start(loop, first, err) : 0;
-    if (rc < 0)
-        uv_loop_close(loop);
-    return rc;
+    if (first)
+        threads_start(loop, first);
+    return 0;
 }
 
 /* Time left for opening the link [ms]. */

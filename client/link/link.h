@@ -28,10 +28,10 @@ struct link_where {
 };
 
 /* As uv_loop_init(), which aborts the program where it finds no descriptor for
- * what libuv makes but once; nor threads, if work will be queued: then *first
- * is the loop's until that has run it, else NULL.  Without memory libuv ends
- * the program from now on (memory.h).  RAD_ENOMEM: memory or descriptors are
- * short; RAD_ESHORT: threads. */
+ * what libuv makes but once.  If work will be queued its threads are started
+ * (threads.h), and *first is the loop's until that has run it; else NULL.
+ * Without memory libuv ends the program from now on (memory.h).  RAD_ENOMEM:
+ * memory or descriptors are short. */
 int link_loop_init(uv_loop_t *loop, uv_work_t *first, struct rad_error *err);
 
 /* Run the loop for ms, or until woken. */

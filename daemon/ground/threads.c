@@ -3,34 +3,20 @@
 
 #include "ground/threads.h"
 
-enum { POOL_THREADS = 4 }; /* libuv's, where UV_THREADPOOL_SIZE is not set */
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <sysexits.h>
+#include <unistd.h>
 
+/* abort() has raised it in this thread, so nothing else is under way here. */
 static void
-wait_for_end(void *end)
+say_lack(int signum)
 {
-    uv_sem_wait(end);
-}
-
-static int
-try_threads(struct rad_error *err)
-{
-    uv_thread_t threads[POOL_THREADS];
-    uv_sem_t end;
-    int n = 0, rc = uv_sem_init(&end, 0);
-
-    if (rc < 0)
-        return rad_fail_memory(err);
-    while (rc == 0 && n < POOL_THREADS)
-        if ((rc = uv_thread_create(&threads[n], wait_for_end, &end)) == 0)
-            n++;
-    for (int i = 0; i < n; i++)
-        uv_sem_post(&end);
-    for (int i = 0; i < n; i++)
-        uv_thread_join(&threads[i]);
-    uv_sem_destroy(&end);
-    return rc == 0 ? 0
-                   : rad_fail(err, RAD_ESHORT, "cannot start a thread: %s",
-                              uv_strerror(rc));
+    (void)signum;
+    fprintf(stderr, "%s: cannot start a thread: the system allows no more\n",
+            program_invocation_short_name);
+    _exit(EX_TEMPFAIL);
 }
 
 static void
@@ -39,12 +25,11 @@ do_nothing(uv_work_t *work)
     (void)work;
 }
 
-int
-threads_start(uv_loop_t *loop, uv_work_t *first, struct rad_error *err)
+void
+threads_start(uv_loop_t *loop, uv_work_t *first)
 {
-    int rc = try_threads(err);
+    void (*before)(int) = signal(SIGABRT, say_lack);
 
-    if (rc == 0)
-        uv_queue_work(loop, first, do_nothing, NULL);
-    return rc;
+    uv_queue_work(loop, first, do_nothing, NULL);
+    signal(SIGABRT, before);
 }

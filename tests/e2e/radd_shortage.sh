@@ -29,6 +29,9 @@ is_sanitized || for program in "$radcoord --state=$work/none" \
     # shellcheck disable=SC2086 # words of a command
     expect 75 'cannot start a thread' "no thread: ${program%% *}" \
         $as prlimit --nproc=2 $program
+    # the pool may also be larger than usual
+    expect 75 'cannot start a thread' "40 threads: ${program%% *}" \
+        $as env UV_THREADPOOL_SIZE=40 prlimit --nproc=20 $program
 done
 
 # nor where there is room for the threads, and for little else; a cluster that
