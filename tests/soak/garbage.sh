@@ -2,7 +2,8 @@
 # garbage.sh - strangers by the thousand, and garbage behind right keys, while a
 # job renders: the job ends unharmed, the daemons' memory grows by less than
 # 16 MiB beside what jobs that end take, their descriptors return to the start; and
-# while slow strangers hold what they can, a new worker joins
+# while slow strangers hold what they can, a new worker joins at its third dial at
+# the latest
 #
 # RADD_SOAK=long: 100000 connections, 100000 frames, 500 slow ones.
 # GARBAGE_CONNECTIONS, GARBAGE_FRAMES, GARBAGE_LORIS.
@@ -112,6 +113,8 @@ until_true 30 grep -q ready loris.out || fail "the slow ones do not come"
 joined() { "$radctl" --coordinator="$sock" --json workers | grep -q '"w3"'; }
 worker_start 3 1
 until_true 2 joined || fail "no worker joins beside them"
+dials=$(grep -c 'coordinator .* at=' w3.log)
+[ "$dials" -le 2 ] || fail "a worker dialled $dials times before it joined"
 [ "$(descriptors "$coord_pid")" -le $((fds_coordinator + 64 + 8)) ] ||
     fail "$(descriptors "$coord_pid") descriptors with slow strangers"
 kill $loris
