@@ -20,17 +20,26 @@
 
 #define RUNS 2500
 
-/* Events of all clusters, summed. */
+/* What happens in clusters: counts of struct sim, each of which a run of all
+ * these tests must have. */
+/* clang-format off */
+#define EVENTS(X)                                                              \
+    X(coord_deaths) X(deaths) X(cuts) X(peer_cuts) X(crashes) X(drains)        \
+    X(stops) X(parted) X(late) X(refused) X(parked) X(gave) X(loans)           \
+    X(blocked) X(estimates) X(aside) X(tiles) X(passes) X(colours) X(reused)   \
+    X(stages) X(pauses) X(priorities) X(rests) X(yields)
+#define FIELD(name) unsigned name;
+#define ADD(name) sum.name += cluster.name;
+#define IS_ANY(name) && sum.name > 0
+/* clang-format on */
+
+/* Of all clusters, summed. */
 static struct {
-    unsigned coord_deaths;
-    unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
-    unsigned parted, late, refused;
+    EVENTS(FIELD)
+    unsigned repeats, pictures;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
-    unsigned parked, gave, loans, blocked, estimates, aside, pictures, tiles,
-        passes, colours, reused, stages;
     uint64_t primary, speculative, unsaid;
-    uint64_t resumed, again; /* see note_again() */
-    unsigned pauses, priorities, rests, yields;
+    uint64_t resumed, again;  /* see note_again() */
     uint64_t ordered, wasted; /* primary rays, and rays in vain, of clusters
                                * where nothing happened but orders */
 } sum;
@@ -266,35 +275,11 @@ run(uint64_t seed, bool verbose)
                (unsigned long long)seed, cluster.nworkers, cluster.njobs,
                cluster.deaths, cluster.cuts, cluster.crashes,
                (unsigned long long)cluster.net.now_ms);
-    sum.coord_deaths += cluster.coord_deaths;
-    sum.deaths += cluster.deaths;
-    sum.cuts += cluster.cuts;
-    sum.peer_cuts += cluster.peer_cuts;
-    sum.crashes += cluster.crashes;
-    sum.drains += cluster.drains;
-    sum.pauses += cluster.pauses;
-    sum.priorities += cluster.priorities;
-    sum.rests += cluster.rests;
-    sum.yields += cluster.yields;
-    sum.stops += cluster.stops;
+    EVENTS(ADD)
     sum.repeats += cluster.net.repeated;
-    sum.parted += cluster.parted;
-    sum.late += cluster.late;
-    sum.refused += cluster.refused;
     for (int t = 0; t < SIM_TYPES; t++)
         for (int b = 0; b < SIM_NBLOW; b++)
             sum.blows[t][b] += cluster.blows[t][b];
-    sum.parked += cluster.parked;
-    sum.gave += cluster.gave;
-    sum.loans += cluster.loans;
-    sum.blocked += cluster.blocked;
-    sum.aside += cluster.aside;
-    sum.tiles += cluster.tiles;
-    sum.passes += cluster.passes;
-    sum.colours += cluster.colours;
-    sum.reused += cluster.reused;
-    sum.stages += cluster.stages;
-    sum.estimates += cluster.estimates;
     sim_release(&cluster);
 }
 
@@ -319,13 +304,7 @@ was_tried(void)
         MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN,      MSG_STAGE,
         MSG_SHOW,     MSG_GUESS
     };
-    bool tried = at_type(MSG_JOB_PEERS) && sum.coord_deaths && sum.deaths &&
-                 sum.cuts && sum.peer_cuts && sum.crashes && sum.drains &&
-                 sum.stops && sum.repeats && sum.parted && sum.late &&
-                 sum.parked && sum.gave && sum.loans && sum.blocked &&
-                 sum.aside && sum.tiles && sum.passes && sum.stages &&
-                 sum.colours && sum.reused && sum.estimates && sum.pauses &&
-                 sum.priorities && sum.rests && sum.yields && sum.refused;
+    bool tried = at_type(MSG_JOB_PEERS) && sum.repeats EVENTS(IS_ANY);
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)

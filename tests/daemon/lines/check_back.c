@@ -87,9 +87,7 @@ TEST(one_that_comes_back_hears_who_waits_for_its_base_line)
 {
     struct msg_unit a, b;
 
-    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, &a, &b);
     attempt(W2, MSG_PARKED, &b);
     cut(W1);
     cut(W2);

@@ -9,9 +9,7 @@ TEST(an_idle_worker_gets_half_of_what_another_has_left)
 {
     struct msg_unit a, b, c;
 
-    start(MSG_PART_STATIC, 0, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, 0, &a, &b);
     wait_ms(100);
     finish(W1, &a);
     ck_assert_int_eq(count(W2, MSG_SPLIT), 1);
@@ -38,9 +36,7 @@ TEST(one_that_has_nothing_to_give_is_not_asked_again)
 {
     struct msg_unit a, b;
 
-    start(MSG_PART_STATIC, 0, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, 0, &a, &b);
     wait_ms(100);
     finish(W1, &a);
     gave(W2, &b, b.height);
@@ -55,9 +51,7 @@ TEST(lines_that_come_after_a_twin_are_not_given)
 {
     struct msg_unit a, b, twin;
 
-    start(MSG_PART_STATIC, 0, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, 0, &a, &b);
     wait_ms(100);
     finish(W1, &a);
     ck_assert_int_eq(count(W2, MSG_SPLIT), 1);
@@ -86,9 +80,7 @@ TEST(a_gave_that_fits_no_lines_ends_the_connection)
 {
     struct msg_unit a, b;
 
-    start(MSG_PART_STATIC, 0, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, 0, &a, &b);
     gave(W2, &b, BAR); /* was not asked */
     ck_assert(!f.closed[W2]);
     wait_ms(100);
@@ -102,9 +94,7 @@ TEST(static_weighs_workers_by_what_earlier_jobs_showed)
     struct msg_unit a, b;
     struct msg tally = { .type = MSG_TALLY, .tally = { .job = id } };
 
-    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, &a, &b);
     ck_assert_uint_ge(a.height, HEIGHT / 2 - BAR);
     wait_ms(1000);
     tally.tally.rays_under_way = 1000;

@@ -122,9 +122,7 @@ TEST(both_sides_hear_who_waits_for_a_base_line)
     struct msg_unit a, b;
     const struct said *s;
 
-    start(MSG_PART_STATIC, 0, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, 0, &a, &b);
     ck_assert_uint_eq(a.y + a.height, b.y);
     ck_assert_uint_eq(b.y + b.height, HEIGHT);
     s = last(W1, MSG_NEXT_HOLDER);

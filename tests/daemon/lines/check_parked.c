@@ -11,9 +11,7 @@ TEST(facts_go_to_whoever_has_the_line_now_and_later)
     struct msg_unit a, b;
     uint32_t line;
 
-    start(MSG_PART_STATIC, 0, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, 0, &a, &b);
     line = line_above(b.y);
     facts(W1, line - 1); /* its own: nobody else wants it */
     ck_assert_int_eq(count(W1, MSG_FACTS) + count(W2, MSG_FACTS), 0);
@@ -44,9 +42,7 @@ TEST(a_guess_goes_to_whoever_has_the_unit_below)
     struct msg_unit a, b;
     uint32_t line;
 
-    start(MSG_PART_STATIC, 0, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, 0, &a, &b);
     line = line_above(b.y); /* of b's top */
     guess(W2, line - 1, 3); /* another's */
     guess(W1, line - 2, 3); /* within its unit */
@@ -157,9 +153,7 @@ TEST(a_base_line_reaches_one_that_waits_when_its_link_is_broken)
 {
     struct msg_unit a, b;
 
-    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, &a, &b);
     attempt(W2, MSG_PARKED, &b);
     clear();
     base_line(W2, 0, line_above(b.y)); /* not his to make */
@@ -246,9 +240,7 @@ TEST(one_that_leaves_gives_up_what_only_waits)
     struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
     struct msg_unit a, b;
 
-    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, &a, &b);
     say(W2, &drain);
     attempt(W2, MSG_PARKED, &b);
     clear();
@@ -268,9 +260,7 @@ TEST(rows_that_cross_a_revoke_bring_nothing_back)
     struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
     struct msg_unit a, b;
 
-    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, &a, &b);
     say(ADMIN, &drain);
     attempt(W2, MSG_PARKED, &b);
     wait_ms(5700); /* it does not answer YIELD */

@@ -133,9 +133,7 @@ TEST(one_that_waited_and_is_stuck_gets_a_twin)
 {
     struct msg_unit a, b;
 
-    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, &a, &b);
     attempt(W2, MSG_PARKED, &b);
     finish(W1, &a); /* it has its base line now */
     clear();
@@ -154,9 +152,7 @@ TEST(a_twin_overtakes_one_that_is_silent)
 {
     struct msg_unit a, b, twin;
 
-    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
-    a = *unit_of(W1);
-    b = *unit_of(W2);
+    start_two(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, &a, &b);
     result(W2, &b, 0, 1, false);
     finish(W1, &a);
     clear();
@@ -177,9 +173,7 @@ TEST(twins_do_not_overtake_each_other_for_ever)
     struct msg_unit a, old, twin;
     uint64_t leads = W2, other = W1;
 
-    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
-    a = *unit_of(W1);
-    old = *unit_of(W2);
+    start_two(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, &a, &old);
     result(W2, &old, 0, 1, false);
     finish(W1, &a);
     for (int i = 0; i < 8 && !f.done; i++) {

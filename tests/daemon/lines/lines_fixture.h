@@ -369,6 +369,16 @@ unit_of(uint64_t conn)
     return &s->m.unit;
 }
 
+/* start() with two workers, which have got units *a and *b. */
+static inline void
+start_two(enum msg_partition kind, uint32_t flags, struct msg_unit *a,
+          struct msg_unit *b)
+{
+    start(kind, flags, 2);
+    *a = *unit_of(W1);
+    *b = *unit_of(W2);
+}
+
 /* The first since clear(). */
 static inline const struct msg_unit *
 first_unit_of(uint64_t conn)
