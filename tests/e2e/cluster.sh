@@ -101,6 +101,20 @@ cluster_start()
     start_with worker_start "$@"
 }
 
+# cluster_start_looping X-Y: with one worker, which has the hooks of tests, and
+# loop.rad, a room whose rendering does not get beyond that pixel
+cluster_start_looping()
+{
+    {
+        echo "void plastic test-loop-$1 0 0 5 .5 .5 .5 0 0"
+        cat "$scenes/room.rad"
+    } >loop.rad
+    radd=$top_builddir/tests/tools/radd-hooked
+    worker_options=--nice=0
+    cluster_start 1 1
+    radd=$top_builddir/radd
+}
+
 gone()
 {
     ! kill -0 "$1" 2>/dev/null

@@ -34,14 +34,7 @@ if [ "$(id -u)" -ne 0 ]; then # root may look anywhere
     chmod 700 other
 fi
 # a job that gets somewhere and to no end, on a worker with the hooks of tests
-{
-    echo "void plastic test-loop-70-133 0 0 5 .5 .5 .5 0 0"
-    cat "$scenes/room.rad"
-} >loop.rad
-radd=$top_builddir/tests/tools/radd-hooked
-worker_options=--nice=0
-cluster_start 1 1
-radd=$top_builddir/radd
+cluster_start_looping 70-133
 expect 75 "running coordinator" "in use" "$radctl" check "$work/state"
 # shellcheck disable=SC2086 # options are words
 "$radsubmit" --coordinator="$sock" $view -o first.hdr "$scenes/room.rad" \

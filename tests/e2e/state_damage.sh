@@ -21,14 +21,7 @@ mkdir run logs
 
 # --- a folder with two jobs that are over and another that is under way ---
 
-{
-    echo "void plastic test-loop-7-13 0 0 5 .5 .5 .5 0 0"
-    cat "$scenes/room.rad"
-} >loop.rad
-radd=$top_builddir/tests/tools/radd-hooked
-worker_options=--nice=0
-cluster_start 1 1
-radd=$top_builddir/radd
+cluster_start_looping 7-13
 cp -r state begun # its database knows of no job
 # shellcheck disable=SC2086 # options are words
 "$radsubmit" --coordinator="$sock" $view -o first.hdr -z first.z \
