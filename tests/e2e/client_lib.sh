@@ -3,6 +3,7 @@
 #
 # Everything happens below $work, which is also the programs' TMPDIR: private
 # folders and processes that outlive their test are found by its name.
+set -u
 : "${top_srcdir:=.}" "${top_builddir:=.}"
 top_srcdir=$(cd "$top_srcdir" && pwd)
 top_builddir=$(cd "$top_builddir" && pwd)

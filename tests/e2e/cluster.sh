@@ -1,10 +1,11 @@
 # shellcheck shell=sh
 # cluster.sh - a real coordinator and workers on addresses of their own; read
-# with "." after client_lib.sh
+# with ".", and so is client_lib.sh
 #
 # cluster_start N THREADS gives $sock (the coordinator's Unix socket), $tcp (its
 # address), worker K's process in pid_K and its files in $work/wK; over TCP it
 # asks for keys: $work/wK.key, $work/user.key and $work/admin.key.
+command -v until_true >/dev/null || . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 # wire.py is there
 export PYTHONPATH="$top_srcdir/tests/e2e" PYTHONDONTWRITEBYTECODE=1
 poke=$top_builddir/tests/tools/poke

@@ -1,10 +1,8 @@
 #!/bin/sh
 # cluster_backpressure.sh - rows that nobody takes wait, at most so many: then
 # who makes them waits, and nothing is dropped
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/faults.sh"
-set -u
 
 # 53 MB of rows, soon made: floats, since there are distances
 cat >plain.rad <<'EOF'

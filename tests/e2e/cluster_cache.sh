@@ -2,9 +2,7 @@
 # cluster_cache.sh - a worker keeps its cache below a limit, and one that has no
 # room for a job says so, fails nothing, and goes on when there is room
 . "${top_srcdir:-.}/tests/e2e/small_disk.sh"
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 # scene NAME N: so many spheres, each in its own place: some 150 bytes each
 scene()

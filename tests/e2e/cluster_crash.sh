@@ -1,9 +1,7 @@
 #!/bin/sh
 # cluster_crash.sh - a scene that crashes or loops the renderer fails its own
 # job, after two workers, and says where; a worker's own troubles fail nothing
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 radd=$top_builddir/tests/tools/radd-hooked
 room=$scenes/room.rad

@@ -2,9 +2,7 @@
 # cluster_descriptors.sh - few descriptors are enough for many frames and many
 # uploads; where there are none for one more connection it waits, and nobody
 # else does
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 [ -n "$(command -v prlimit)" ] || {
     echo "no prlimit to give a process few descriptors with"

@@ -3,9 +3,7 @@
 # whoever makes the picture, and after a coordinator that is killed in any stage,
 # or a worker; what was asked for and reached is said, and options that do not go
 # with them are refused
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 view="-vf $scenes/room.vf -x 160 -y 120 -ps 2 -pt .1 -ab 2 -aa .4 -ar 16 -ad 32
 -as 8"

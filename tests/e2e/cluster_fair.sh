@@ -1,9 +1,7 @@
 #!/bin/sh
 # cluster_fair.sh - a user's small jobs get a worker while another user's large
 # job fills its ambient cache: they are over when that is still at its passes
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 room=$scenes/room.rad
 

@@ -1,9 +1,7 @@
 #!/bin/sh
 # cluster_files.sh - files of scenes are had by right of a job alone: nobody
 # learns what others have sent, and a worker gets what it is to render
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 room=$scenes/room.rad
 make_keys

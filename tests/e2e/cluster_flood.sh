@@ -4,9 +4,7 @@
 # set anew while the coordinator runs, and refused above that
 #
 # A user's flood of all kinds is in tests/soak/userflood.sh.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 echo 'user_jobs = 1' >c.conf
 coord_options="--config=$work/c.conf --upload-s=60"

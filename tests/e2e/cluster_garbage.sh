@@ -1,8 +1,6 @@
 #!/bin/sh
 # cluster_garbage.sh - whatever arrives on their sockets, the daemons go on
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 cluster_start 2 1
 

@@ -1,9 +1,7 @@
 #!/bin/sh
 # cluster_keys.sh - who gets in over TCP and who does not, and what is said of
 # it; keys that come and go while a coordinator runs
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 coord_start
 worker_start 1 1

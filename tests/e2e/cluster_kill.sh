@@ -1,9 +1,7 @@
 #!/bin/sh
 # cluster_kill.sh - real daemons give the embedded cluster's bytes, also when a
 # worker and a job's child are killed in the middle
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
 --partition=window --windows=40"

@@ -2,9 +2,7 @@
 # cluster_passes.sh - the ambient cache in passes: a coordinator that is killed
 # in a pass, between passes or in the picture goes on from there, with the same
 # bytes; so does a cluster whose worker is killed, or that a worker joins
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 # so wide that passes come in parts, some of which are open at a time
 view="-vf $scenes/room.vf -x 2080 -y 32 -pa 0 -ps 2 -pt .01 -ab 3 -aa .15 -ar 32

@@ -2,9 +2,7 @@
 # cluster_peers.sh - workers of one machine without a key file: they reach the
 # coordinator by its Unix socket and each other over loopback, by keys that it
 # makes for each pair and job; nobody else gets in there
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 sock=$work/c.sock
 "$radcoord" --listen=127.0.0.1:0 --socket="$sock" --state="$work/state" \

@@ -2,9 +2,7 @@
 # cluster_preview.sh - the picture is there from the first passes over its
 # pixels on: a preview shows all of it, coarse, before any row has come, and it
 # is like what comes; nothing else of the job changes for that
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 raderr=$top_builddir/raderr
 # sides that are no multiples of the lattices' steps

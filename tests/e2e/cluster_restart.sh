@@ -1,9 +1,7 @@
 #!/bin/sh
 # cluster_restart.sh - a coordinator that is killed in the middle of a job and
 # starts again gets the job and the workers back; the bytes are the same
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
 --partition=window --windows=40"

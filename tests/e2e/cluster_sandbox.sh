@@ -1,9 +1,7 @@
 #!/bin/sh
 # cluster_sandbox.sh - a job's process is in its sandbox while it renders, says
 # so where there is none, and nothing in a scene makes a daemon run a command
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 room=$scenes/room.rad
 

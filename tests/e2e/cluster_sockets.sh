@@ -1,8 +1,6 @@
 #!/bin/sh
 # cluster_sockets.sh - where daemons listen, what they refuse, how they stop
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 for at in 0.0.0.0:0 192.0.2.1:0 '[::]:0'; do
     expect 77 "loopback" "radcoord at $at" \

@@ -1,9 +1,7 @@
 #!/bin/sh
 # coord_frames.sh - a job of very many frames is accepted, taken up again and
 # cancelled without a file for each, while others are served
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 FRAMES=60000
 

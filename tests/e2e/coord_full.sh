@@ -2,9 +2,7 @@
 # coord_full.sh - on a full disk a job is held, and says so; when there is room
 # it goes on
 . "${top_srcdir:-.}/tests/e2e/small_disk.sh"
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
 --partition=window --windows=40"

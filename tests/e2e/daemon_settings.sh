@@ -2,9 +2,7 @@
 # daemon_settings.sh - what is wrong in a settings file is told by file and line,
 # an option by itself; what SIGHUP takes over and what waits for a restart; and
 # where "*" and a name listen
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 # refused PROGRAM KEY VALUE TEXT: by its line in a file, and as an option
 refused()

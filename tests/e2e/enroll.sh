@@ -2,7 +2,6 @@
 # enroll.sh - radctl enroll: a folder with settings and key for each host, with
 # which a worker joins; the same again changes no key
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 umask 022
 
 hosts=$(seq -f ws%02g 1 20)

@@ -2,9 +2,7 @@
 # fetch_spoilt.sh - a picture that a disk has cut can be asked for very often,
 # and one that is asked for need not be waited for: nothing of that stays in the
 # coordinator's memory; a scene that it has spoilt fails its job
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 growth_kib=2048
 is_sanitized &&
     growth_kib=1000000

@@ -6,7 +6,6 @@
 # 6.1; without jitter the two look at the same points.  Where rpict and oconv are
 # on PATH they are asked again.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 view="-vp 0 -10 0 -vd 0 1 0 -vh 50 -vv 38 -x 512 -y 384 -pa 0 -pj 0 -ab 0"
 RAYPATH=$scenes:${RAYPATH:-}

@@ -6,7 +6,6 @@
 # same again, IDENTITY_RUNS=n as many.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/chance.sh"
-set -u
 
 runs=${IDENTITY_RUNS:-20}
 draw_from "${IDENTITY_SEED:-}"

@@ -5,10 +5,8 @@
 #
 # What is tried is drawn from a seed, which is printed; IDENTITY_SEED=n tries the
 # same again, as far as the moments of the accidents go, IDENTITY_RUNS=n as many.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/chance.sh"
-set -u
 
 runs=${IDENTITY_RUNS:-20}
 draw_from "${IDENTITY_SEED:-}"

@@ -2,9 +2,7 @@
 # kept_jobs.sh - jobs that are over are kept for each user by themselves, what
 # was not fetched longer than the rest, sensor points, too, and what was
 # forgotten is told
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 view="-vf $scenes/room.vf -x 8 -y 6 -ps 1 -ds .1 -dj 1 -ab 0
 --partition=window --windows=1"

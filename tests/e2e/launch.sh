@@ -3,7 +3,6 @@
 # network give --local's picture; a command that fails, starts too few or none,
 # or dies in the middle is told of, and nothing is left behind
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 room=$scenes/room.rad
 quick="-vf $scenes/room.vf -x 120 -y 90 -ab 1 -ad 64 -as 16 --oversample=1

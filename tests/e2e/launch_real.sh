@@ -3,7 +3,6 @@
 # they come: --local's picture, the key in no argument, nothing left behind, also
 # when radsubmit is killed.  Slurm's srun has slurm.sh.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 sshd=$(PATH=$PATH:/usr/sbin command -v sshd)
 command -v mpirun >/dev/null || [ -n "$sshd" ] || {
     echo "SKIP: neither mpirun nor sshd here"

@@ -2,7 +2,6 @@
 # no_memory.sh - whichever allocation of a program fails, what comes is what would
 # have come, or the program says that memory is out and ends with 71
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 radscene=$top_builddir/radscene
 raderr=$top_builddir/raderr
 shim=$top_builddir/tests/tools/disaster.so

@@ -7,7 +7,6 @@
 # A picture's bytes hide most of that, so in a room of its own everything shines
 # or reflects by the last bits of where it was hit, or of a function.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 older="GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4"
 older="$older,-AVX2_Usable,-FMA_Usable,-FMA4_Usable"

@@ -5,9 +5,7 @@
 # OVERSAMPLE_SIDE=8000 does with such a picture what is done with a small one by
 # default, and OVERSAMPLE_MIB says what may come on top; what was measured is
 # printed as a table.  The coordinator keeps 4 bytes of disk for a sample.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 side=${OVERSAMPLE_SIDE:-1000}
 most=${OVERSAMPLE_MIB:-16}

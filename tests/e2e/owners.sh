@@ -2,9 +2,7 @@
 # owners.sh - who comes by key and who comes by the Unix socket is one person,
 # with one set of jobs; what a release kept under "uid:N" is theirs, too; and no
 # key of a user is root
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 owner_of()
 {

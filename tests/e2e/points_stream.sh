@@ -3,7 +3,6 @@
 # order, and what is wrong behind them loses none
 # shellcheck disable=SC2086,SC2002 # options are words, and cat makes a pipe
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 # inside of a sphere that shines all is known
 cat >box.rad <<'END'

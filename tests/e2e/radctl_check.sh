@@ -1,9 +1,7 @@
 #!/bin/sh
 # radctl_check.sh - a damaged state folder is refused by radcoord, and radctl
 # check says what is wrong with it; a sound one it calls sound
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
 --partition=scanbar"

@@ -2,7 +2,6 @@
 # radctl_here.sh - on the coordinator's own machine radctl needs not be told
 # where that is; and where it is not, it says what it tried
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 # What stands under /run on this machine is nobody's business here: a /run of
 # our own, where that is allowed.

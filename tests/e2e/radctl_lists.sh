@@ -1,9 +1,7 @@
 #!/bin/sh
 # radctl_lists.sh - lists are told whole, however long; what one does not want
 # to see any more can be cancelled, deleted and forgotten
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 jobs=250
 
 ctl()

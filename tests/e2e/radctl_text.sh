@@ -1,9 +1,7 @@
 #!/bin/sh
 # radctl_text.sh - what others write reaches no terminal and no log as it is:
 # names that clear the screen, turn the line around or are no text at all
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 # U+009B (CSI), ESC, U+202E, U+2066, U+200B, U+2028, a lone CR, a byte of
 # Latin-1; and letters that are none of that

@@ -3,7 +3,6 @@
 # filter, a narrow terminal, a coordinator that goes and comes back, no colour,
 # and a terminal that is as it was at any end
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 command -v tmux >/dev/null || {
     echo "radctl_top: no tmux here: not tested"

@@ -1,9 +1,7 @@
 #!/bin/sh
 # radd_first.sh - a worker that is the first process of a container renders, and
 # a job's process that is not the child of its radd ends at once
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 # With a link that is closed a child of this shell ends with EX_OSERR; a child
 # of another process does not look at it.

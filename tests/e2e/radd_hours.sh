@@ -1,9 +1,7 @@
 #!/bin/sh
 # radd_hours.sh - a worker is there in its hours, and leaves after them with
 # nothing left running
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 expect 64 "not 'never'" 'no hours' "$radd" --hours=never
 expect 64 'idle_only needs nice' 'no nice' "$radd" --idle-only --nice=0

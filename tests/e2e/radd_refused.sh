@@ -2,7 +2,6 @@
 # radd_refused.sh - radd ends with the status that a coordinator refuses it
 # with, and says why
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 # A coordinator that answers whatever comes with the recorded REFUSE, its
 # status replaced.

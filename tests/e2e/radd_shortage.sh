@@ -1,9 +1,7 @@
 #!/bin/sh
 # radd_shortage.sh - a worker that may start no process for a while waits, and
 # its job with it
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 [ -n "$(command -v prlimit)" ] || {
     echo "no prlimit to forbid a process to start others with"

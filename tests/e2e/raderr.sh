@@ -1,7 +1,6 @@
 #!/bin/sh
 # raderr.sh - raderr's figures, its pictures, and what it answers to bad input
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 raderr=$top_builddir/raderr
 
 # 2 by 2 grey pixels, flat; three octal mantissas alike, exponent 129

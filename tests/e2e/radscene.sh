@@ -1,7 +1,6 @@
 #!/bin/sh
 # radscene.sh - what radscene prints, its messages and its exit statuses
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 radscene=$top_builddir/radscene
 unset RAYPATH
 

@@ -2,9 +2,7 @@
 # radweb.sh - what radweb says is what radctl says; names of others stay text;
 # garbage, slow and many browsers take no more than their bounds, and the
 # coordinator does not notice; who may come from where
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 command -v python3 >/dev/null || {
     echo "SKIP: no python3 here"
     exit 77

@@ -4,9 +4,7 @@
 # is the picture's; no name of others is taken for a script
 #
 # With RADWEB_SHOTS=FOLDER the pictures of the pages stay there.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 command -v python3 >/dev/null && python3 -c 'import sys
 sys.path.insert(0, sys.argv[1])
 import browser

@@ -3,9 +3,7 @@
 # second view of a room takes few rays, and is the same bytes with one worker
 # and with three, after its coordinator was killed, and when the former job is
 # gone meanwhile; what does not fit is refused
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 room=$scenes/room.rad
 first="-vf $scenes/room.vf"

@@ -3,7 +3,6 @@
 # of --rpict-path: as rad, ranimate and rpiece write them
 # shellcheck disable=SC2086,SC2016 # options are words, and a $ is rpict's
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 folder=$("$radsubmit" --rpict-path) || fail "--rpict-path"
 [ -x "$folder/rpict" ] || fail "no rpict in '$folder'"

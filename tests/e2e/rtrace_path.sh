@@ -3,7 +3,6 @@
 # --rpict-path
 # shellcheck disable=SC2086,SC2016 # options are words, and a $ is rtrace's
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 folder=$("$radsubmit" --rpict-path) || fail "--rpict-path"
 [ -x "$folder/rtrace" ] || fail "no rtrace in '$folder'"

@@ -4,7 +4,6 @@
 # over or it is queued again; and a standing coordinator whose workers are batch
 # jobs (etc/slurm/radd.sbatch), which drain before their time is over
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 PATH=$PATH:/usr/sbin:/sbin
 for p in munged slurmctld slurmd srun salloc sbatch scancel scontrol squeue; do

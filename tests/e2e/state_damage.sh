@@ -1,9 +1,7 @@
 #!/bin/sh
 # state_damage.sh - what radctl check, the start of radcoord and radctl fetch say
 # of each damage of a state folder, by the table in doc/operations.md
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 table=$top_srcdir/doc/operations.md
 view="-vf $scenes/room.vf -x 40 -y 30 -ps 1 -ds .1 -dj 1 -ab 0

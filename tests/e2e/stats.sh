@@ -1,9 +1,7 @@
 #!/bin/sh
 # stats.sh - the statistics add up, and radd.stats(5) explains each name that is
 # in them and no other
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 page=$top_srcdir/man/radd.stats.5
 room=$scenes/room.rad

@@ -2,10 +2,8 @@
 # steer.sh - pause, priorities, drain and cancel take hold in the middle of
 # units: what is left of these goes back, nothing is lost, and pictures and rays
 # are those of one process
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/steer_lib.sh"
-set -u
 
 # said WORDS JOB [MORE]: how often the log has it
 said()

@@ -2,10 +2,8 @@
 # steer_first.sh - pause and drain take hold before the first unit,
 # too: of ambient records that are made first, and of estimates; the picture and
 # its rays are those of one process
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/steer_lib.sh"
-set -u
 
 # ticks WORKER...: processor time that their children used
 ticks()

@@ -2,7 +2,6 @@
 # submit_ambient.sh - radsubmit -af: ambient values of a whole cluster in a file,
 # and from it
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 radscene=$top_builddir/radscene
 cp "$scenes/room.rad" room.rad

@@ -2,7 +2,6 @@
 # submit_bad_input.sh - what cannot be rendered is refused with the right exit
 # status, a message that says where, and nothing left behind
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 room=$scenes/room.rad
 printf 'void plastic p\n0\n0\n' >short.rad # arguments are missing

@@ -3,7 +3,6 @@
 # known light, the same whoever renders; one job where the scene has no spectra;
 # what does not go with them; jobs of all planes cancelled together
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 # a room whose lamps have a spectrum, and one that knows colours alone
 room=$work/spectral.rad

@@ -2,7 +2,6 @@
 # submit_detach.sh - a job on a real coordinator: left alone, watched and
 # fetched with radctl, cancelled, and waited for across a restart
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 sock=$work/coord.sock
 export RADD_COORDINATOR="$sock"

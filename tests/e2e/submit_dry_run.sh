@@ -2,7 +2,6 @@
 # submit_dry_run.sh - --dry-run says what a job needs and will take, on a
 # cluster of its own and on a real one, and renders nothing
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 view="-vf $scenes/room.vf -x 160 -y 120"
 # what records rays ask for is what the trial counts

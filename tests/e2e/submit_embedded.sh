@@ -2,7 +2,6 @@
 # submit_embedded.sh - pictures of radsubmit's own cluster: complete, the same
 # however the work was shared, and nothing left behind
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 size="-x 120 -y 90"
 view="-vf $scenes/room.vf $size"

@@ -2,7 +2,6 @@
 # submit_error.sh - radsubmit says how far its picture may be off, and is right:
 # pictures by other random numbers differ by about as much
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 raderr=$top_builddir/raderr
 room=$scenes/room.rad

@@ -1,9 +1,7 @@
 #!/bin/sh
 # submit_false_colour.sh - pictures of luminance with a legend, by radsubmit,
 # radctl fetch and raderr: the same
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 raderr=$top_builddir/raderr
 cp "$scenes/room.rad" room.rad

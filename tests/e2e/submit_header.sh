@@ -1,8 +1,6 @@
 #!/bin/sh
 # submit_header.sh - what a picture's header tells of where it is from
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 mkdir here there
 cp "$scenes/room.rad" here/room.rad

@@ -2,7 +2,6 @@
 # submit_interrupt.sh - one interrupt cancels a job and says what it got;
 # killing radsubmit leaves nothing of its cluster running
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 # Has process $pid ended?
 ended() { ! ps -o stat= -p $pid | grep -qv '^Z'; }

@@ -2,7 +2,6 @@
 # submit_left.sh - the time left is said once it is known, early, and a trial
 # that is at work for it holds up no end
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 # Half a minute at least; the first tenth of the picture takes long.
 slow="--local --threads=1 -vf $scenes/room.vf -x 900 -y 675 -ab 2 -aa .1

@@ -1,9 +1,7 @@
 #!/bin/sh
 # submit_limits.sh - what is long is taken, and what is too long is refused
 # before anything is dialled
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 view="-vf $scenes/room.vf -x 24 -y 18 -ab 0"
 room=$scenes/room.rad

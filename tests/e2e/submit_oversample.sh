@@ -2,9 +2,7 @@
 # submit_oversample.sh - --oversample renders a larger picture and filters it
 # down, to the same bytes however it was shared; its header, size, distances,
 # statistics and prediction are those of what is written
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 room=$scenes/room.rad
 view="-vf $scenes/room.vf"

@@ -2,7 +2,6 @@
 # submit_parts.sh - instances and meshes through real daemons: the files travel
 # with the job, by their content; the scene's folder is gone when it is rendered
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 radscene=$top_builddir/radscene
 sock=$work/coord.sock

@@ -3,7 +3,6 @@
 # from any cluster, formats, and what is refused
 # shellcheck disable=SC2086 # options are words
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 # inside of a sphere that shines all is known
 cat >box.rad <<'EOF'

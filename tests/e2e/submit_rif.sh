@@ -2,7 +2,6 @@
 # submit_rif.sh - a file of rad's variables as the scene: its views are one job,
 # with rad's options, names, size and exposure; what is not done is said
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 cp "$scenes/room.rad" .
 sed -n '/^void/p' room.rad >room.mat

@@ -3,7 +3,6 @@
 # previews and animations, when they come and when they are fetched; beside
 # pfilt and pcond where these are on PATH
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 
 shown=$top_builddir/tests/tools/shown
 room=$scenes/room.rad

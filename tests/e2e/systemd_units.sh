@@ -1,9 +1,7 @@
 #!/bin/sh
 # systemd_units.sh - the units are sound and hardened, what they allow is enough
 # to render with, and the daemons tell systemd what it waits for
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 room=$scenes/room.rad
 view="-vf $scenes/room.vf -x 64 -y 48"

@@ -2,10 +2,8 @@
 # versions.sh - a cluster of which one half offers newer versions of the protocol
 # besides: a proxy raises what HELLO offers, as if its sender had been upgraded,
 # and all that follows is between the daemons
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/faults.sh"
-set -u
 
 view="-vf $scenes/room.vf -x 240 -y 180 -ps 4 -ab 0"
 room=$scenes/room.rad

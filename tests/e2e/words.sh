@@ -1,9 +1,7 @@
 #!/bin/sh
 # words.sh - what radsubmit and radctl print for people: nothing that means
 # something to programs alone, and a reason where nothing happens
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 view="-vf $scenes/room.vf -x 40 -y 30"
 room=$scenes/room.rad

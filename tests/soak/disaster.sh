@@ -12,10 +12,8 @@
 # (tests/tools/disaster.c says what they are; "moment none" is the random ones).
 # DISASTER_ONLY="KIND:N:WHAT ..." tries just these, with DISASTER_PART=scanbar
 # and the like, and DISASTER_HOW=detached.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/chance.sh"
-set -u
 
 shim=$top_builddir/tests/tools/disaster.so
 [ -e "$shim" ] || {

@@ -7,9 +7,7 @@
 #
 # RADD_SOAK=long: 100000 connections, 100000 frames, 500 slow ones.
 # GARBAGE_CONNECTIONS, GARBAGE_FRAMES, GARBAGE_LORIS.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 if [ "${RADD_SOAK:-}" = long ]; then
     : "${GARBAGE_CONNECTIONS:=100000}" "${GARBAGE_FRAMES:=100000}"

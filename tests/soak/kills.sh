@@ -7,10 +7,8 @@
 # Two kills of each; RADD_SOAK=long: 200 of workers and 100 of children.
 # KILLS_WORKERS, KILLS_CHILDREN change that, KILLS_SEED, which is printed, what
 # is drawn.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/chance.sh"
-set -u
 
 if [ "${RADD_SOAK:-}" = long ]; then
     : "${KILLS_WORKERS:=200}" "${KILLS_CHILDREN:=100}"

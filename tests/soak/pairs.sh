@@ -6,7 +6,6 @@
 # RADD_SOAK=long tries all pairs of the clients' options instead of RADD_PAIRS
 # (60 of each program) that RADD_SEED draws.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-set -u
 command -v python3 >/dev/null || {
     echo "pairs: no python3 here"
     exit 77

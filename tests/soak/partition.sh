@@ -6,11 +6,9 @@
 # The short form inflicts each of the eight shapes once, for half a second.
 # RADD_SOAK=long: ten times each, from ten seeds, for 1 to 20 s (15 s without a
 # byte end a connection).  PARTITION_SEED, which is printed, PARTITION_ROUNDS.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/chance.sh"
 . "$top_srcdir/tests/e2e/faults.sh"
-set -u
 
 long=false
 [ "${RADD_SOAK:-}" = long ] && long=true

@@ -5,9 +5,7 @@
 #
 # The short form stops one child and one worker; RADD_SOAK=long 50 of them.
 # STANDSTILL_TIMES changes that, STANDSTILL_SEED, which is printed, the order.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 [ "${RADD_SOAK:-}" = long ] && : "${STANDSTILL_TIMES:=50}"
 seed=${STANDSTILL_SEED:-$(date +%s)}

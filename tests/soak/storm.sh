@@ -10,10 +10,8 @@
 #
 # What they hold is looked at when no job is left: after STORM_WARM jobs, which
 # fill pools, caches and what is kept of jobs that are over, and at the end.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/chance.sh"
-set -u
 
 if [ "${RADD_SOAK:-}" = long ]; then
     : "${STORM_SECONDS:=3600}" "${STORM_JOBS:=500}" "${STORM_WORKERS:=8}"

@@ -12,9 +12,7 @@
 # Where a host counts as processor time what it takes away for others, any turn may
 # seem long: then the flood comes again, twice at most, for a turn that is long by
 # the coordinator's own work is so each time.
-. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
-. "$top_srcdir/tests/e2e/cluster.sh"
-set -u
+. "${top_srcdir:-.}/tests/e2e/cluster.sh"
 
 flood=$top_builddir/tests/tools/flood
 growth_kib=16384
