@@ -56,7 +56,7 @@
 #define AREAS  600.
 #define PLACES 48.
 
-/* But there is at most one area, or place, for so many pixels.  Areas take no
+/* But there is at most one area, or place, for so many pixels.  Areas take few
  * hemispheres: where these have more than DENSER_RAYS rays there may be as many
  * times more areas for the same part of a picture's rays, up to DENSEST_AREAS
  * times.  A small picture nevertheless has up to FEW_PLACES places, but not

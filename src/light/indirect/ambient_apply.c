@@ -121,11 +121,20 @@ own_light(const struct rad_ctx *ctx, const struct rad_ambrec *rec,
     return rad_rgb_scale(E, factor);
 }
 
+/* Is the record for a pixel that is made again to estimate its error?  Then
+ * gloss below -st takes rays to many places that no record serves; noise there
+ * need only be small beside the pixel's light. */
+static bool
+is_estimates(const struct rad_ctx *ctx, const struct rad_ambplace *at)
+{
+    return ctx->aside && at->level == 0 && is_alone(ctx, at);
+}
+
 static int
 least_side(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
     if (at->level == 0)
-        return SIDE_SHOWN;
+        return is_estimates(ctx, at) ? SIDE_ALONE : SIDE_SHOWN;
     return is_alone(ctx, at) ? SIDE_ALONE : SIDE_DEEP;
 }
 
@@ -158,6 +167,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         plan.weight *= ALONE_SHARE;
     if (ctx->glance)
         plan.weight *= GLANCE_SHARE;
+    if (is_estimates(ctx, at))
+        plan.weight *= at->weight;
     plan.side = least_side(ctx, at);
     plan.coef = rad_grey((float)RAD_AMBIENT_MEAN_REFLECTANCE);
     plan.far = FAR_SIDES * amb->scale.side;

@@ -3,6 +3,7 @@
 
 #include "picture/doubt.h"
 
+#include "light/indirect/ambient.h"
 #include "tests/world_picture.h"
 
 #include <math.h>
@@ -199,6 +200,31 @@ TEST(gloss_that_is_left_out_shows)
     d = look(3, (struct rad_doubt_share){ .02, 0 });
     ck_assert_double_gt(rad_doubt_error(&d).all, .03);
     ck_assert_double_eq(pic.w.ctx.job->params.specthresh, .1);
+}
+
+/* No record of a frozen cache serves where gloss below -st would lead, and each
+ * pixel that is made again samples the light there: by its small part in the
+ * pixel, not by as many rays as for the floor itself. */
+TEST(light_of_gloss_that_is_left_out_takes_few_rays)
+{
+    struct rad_counts before;
+
+    picture_close(&pic);
+    world_open(&pic.w, scene_text,
+               PURE "-x 30 -y 30 -ab 1 -aa .3 -ad 256 -as 0 -st .1");
+    rad_ambient_freeze(pic.w.job->ambient);
+    world_frame(&pic.w, "-vp 0 0 4 -vd 0 0 -1 -vu 0 1 0 -vh 80 -vv 80", false,
+                &pic.frame);
+    picture_render(&pic);
+    before = pic.w.ctx.counts;
+    look(5, (struct rad_doubt_share){ .1, 0 });
+
+    uint64_t pixels = pic.w.ctx.counts.primary_rays - before.primary_rays;
+    uint64_t rays = pic.w.ctx.counts.ambient_rays - before.ambient_rays;
+
+    ck_assert_uint_gt(pixels, 100);
+    ck_assert_uint_ge(rays, 64 * pixels); /* for the floor: -ad / 4 */
+    ck_assert_uint_lt(rays, 70 * pixels);
 }
 
 TEST(noise_of_hemispheres_shows)
