@@ -397,11 +397,11 @@ walk_through(struct walk *w, const struct step *at)
     return false;
 }
 
-/* The block of the point after a fraction x of a slice's light. */
+/* The block, of n, of the point after a fraction x of a slice's light. */
 static unsigned
-find_block(const struct bsdf_cell *c, double x)
+find_block(const struct bsdf_cell *c, unsigned n, double x)
 {
-    unsigned a = 0, b = NBLOCKS;
+    unsigned a = 0, b = n;
 
     while (b - a > 1) {
         unsigned mid = (a + b) / 2;
@@ -419,23 +419,25 @@ rad_tree_sample(const struct rad_bsdf_way *w, const double in[3], double x,
                 double out[3])
 {
     const struct bsdf_tree *t = w->part->tree;
-    struct step at[BLOCK_LOG + 1] = { { .h = HILBERT_START, .size = 1 } };
+    const struct bsdf_slices *s = w->swapped ? &t->reverse : &t->slices;
+    struct step at[MOST_BLOCK_LOG + 1];
     const struct bsdf_cell *c = find_slice(w, at->in);
-    struct walk walk = { .t = t,
-                         .s = w->swapped ? &t->reverse : &t->slices,
-                         .out = { -1, -1 } };
+    struct walk walk = { .t = t, .s = s, .out = { -1, -1 } };
     double px, py;
     unsigned block;
 
     if (!c || !(c->total > 0))
         return false;
-    block = find_block(c, x);
+    block = find_block(c, 1u << 2 * s->block_log, x);
     walk.left = fmax(x - c->before[block] * 0x1p-32, 0) * c->total;
     at->c = rad_tree_start(t->root[Y]);
-    for (int k = 0; k < BLOCK_LOG; k++)
-        take_step(&walk, &at[k], block >> 2 * (BLOCK_LOG - 1 - k) & 3,
+    at->h = HILBERT_START;
+    at->low[0] = at->low[1] = 0;
+    at->size = 1;
+    for (int k = 0; k < s->block_log; k++)
+        take_step(&walk, &at[k], block >> 2 * (s->block_log - 1 - k) & 3,
                   &at[k + 1]);
-    walk_through(&walk, &at[BLOCK_LOG]);
+    walk_through(&walk, &at[s->block_log]);
     if (walk.out[0] < 0)
         return false;
     to_disk(walk.out, &px, &py);

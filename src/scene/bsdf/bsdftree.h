@@ -9,8 +9,9 @@
  * each.
  *
  * Light from one direction meets a slice of the tree.  For sampling we keep,
- * for every incident cell of the finest resolution, running sums over the 64
- * blocks of the outgoing square, along Hilbert's curve.
+ * for every incident cell of the finest resolution, running sums over blocks of
+ * the outgoing square, along Hilbert's curve: 64 of them, or 1024 for a tree of
+ * rank 3, which has few incident cells.
  * Private to bsdftree.c and bsdftreeread.c. */
 #ifndef RAD_SCENE_BSDFTREE_H
 #define RAD_SCENE_BSDFTREE_H
@@ -19,8 +20,8 @@
 
 #include <stdint.h>
 
-#define BLOCK_LOG 3
-#define NBLOCKS   (1 << 2 * BLOCK_LOG)
+#define MOST_BLOCK_LOG 5 /* log2 of the blocks along a side; rank 3 */
+#define BLOCK_LOG      3 /* the same for rank 4 */
 
 struct bsdf_node {
     int lg; /* a grid of 2^lg values along each coordinate; -1: a branch */
@@ -34,12 +35,12 @@ struct bsdf_node {
  * lies before each block along the curve. */
 struct bsdf_cell {
     double total;
-    uint32_t before[NBLOCKS]; /* times 2^32 */
+    uint32_t *before;         /* times 2^32 */
     uint8_t finest, coarsest; /* log2 of 1 / a leaf's width */
 };
 
 struct bsdf_slices {
-    int res_log;
+    int res_log, block_log;
     bool reverse; /* in and out are exchanged (reciprocity) */
     struct bsdf_cell *cell;
 };

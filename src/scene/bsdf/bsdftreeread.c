@@ -247,21 +247,22 @@ static void
 fill_blocks(const struct filler *f, size_t cell, double value,
             const uint32_t out[2], int level)
 {
-    int k = level < BLOCK_LOG ? BLOCK_LOG - level : 0;
+    int log = f->s->block_log, k = level < log ? log - level : 0;
     double share = value * ldexp(1, -2 * (level + k));
+    double *sum = f->sum + (cell << 2 * log);
 
     for (uint32_t x = 0; x < 1u << k; x++)
         for (uint32_t y = 0; y < 1u << k; y++) {
             uint32_t bx = out[0], by = out[1];
 
-            if (level < BLOCK_LOG) {
+            if (level < log) {
                 bx = bx << k | x;
                 by = by << k | y;
             } else {
-                bx >>= level - BLOCK_LOG;
-                by >>= level - BLOCK_LOG;
+                bx >>= level - log;
+                by >>= level - log;
             }
-            f->sum[cell * NBLOCKS + (bx << BLOCK_LOG | by)] += share;
+            sum[bx << log | by] += share;
         }
 }
 
@@ -313,27 +314,37 @@ fill_leaf(void *arg, double value, const uint32_t at[4], int level)
                       rad_tree_above_rest(f->t, value), out, level);
 }
 
-/* Make a cell's running sums along the curve. */
+/* Set order[i] to the index of the i-th block along the curve, by rows. */
 static void
-run_up(const double *block, struct bsdf_cell *cell)
+order_blocks(int log, uint16_t *order)
 {
-    double before[NBLOCKS];
-
-    for (unsigned i = 0; i < NBLOCKS; i++) {
+    for (unsigned i = 0; i < 1u << 2 * log; i++) {
         struct hilbert h = HILBERT_START;
         unsigned bx = 0, by = 0, x, y;
 
-        for (int k = BLOCK_LOG; k-- > 0;) {
+        for (int k = log; k-- > 0;) {
             rad_hilbert_enter(&h, i >> 2 * k & 3, &x, &y);
             bx = bx << 1 | x;
             by = by << 1 | y;
         }
-        before[i] = cell->total;
-        cell->total += block[bx << BLOCK_LOG | by];
+        order[i] = (uint16_t)(bx << log | by);
     }
-    for (unsigned i = 0; i < NBLOCKS && cell->total > 0; i++)
+}
+
+/* Make a cell's running sums over n blocks along the curve. */
+static void
+run_up(const double *block, const uint16_t *order, unsigned n,
+       struct bsdf_cell *cell)
+{
+    double sum = 0;
+
+    for (unsigned i = 0; i < n; i++)
+        cell->total += block[order[i]];
+    for (unsigned i = 0; i < n && cell->total > 0; i++) {
         cell->before[i] =
-            (uint32_t)fmin(before[i] / cell->total * 0x1p32, UINT32_MAX);
+            (uint32_t)fmin(sum / cell->total * 0x1p32, UINT32_MAX);
+        sum += block[order[i]];
+    }
 }
 
 static int
@@ -341,22 +352,31 @@ make_slices(const struct bsdf_tree *t, struct bsdf_slices *s,
             struct rad_arena *arena, bool reverse, struct rad_error *err)
 {
     struct filler f = { t, s, NULL };
+    uint16_t order[1 << 2 * MOST_BLOCK_LOG];
+    uint32_t *before;
+    unsigned nblocks;
     size_t n;
 
     s->reverse = reverse;
     s->res_log = t->finest < MAX_RES_LOG ? t->finest : MAX_RES_LOG;
+    s->block_log = t->rank == 3 ? MOST_BLOCK_LOG : BLOCK_LOG;
+    nblocks = 1u << 2 * s->block_log;
     n = (size_t)1 << s->res_log * (t->rank - 2);
     s->cell = rad_arena_calloc(arena, n, sizeof *s->cell);
-    f.sum = calloc(n * NBLOCKS, sizeof *f.sum);
-    if (!s->cell || !f.sum) {
+    before = rad_arena_calloc(arena, n * nblocks, sizeof *before);
+    f.sum = calloc(n * nblocks, sizeof *f.sum);
+    if (!s->cell || !before || !f.sum) {
         free(f.sum);
         return rad_fail_memory(err);
     }
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         s->cell[i].coarsest = UINT8_MAX;
+        s->cell[i].before = before + i * nblocks;
+    }
     visit_all(t, fill_leaf, &f);
+    order_blocks(s->block_log, order);
     for (size_t i = 0; i < n; i++)
-        run_up(f.sum + i * NBLOCKS, &s->cell[i]);
+        run_up(f.sum + i * nblocks, order, nblocks, &s->cell[i]);
     free(f.sum);
     return 0;
 }
