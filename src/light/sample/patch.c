@@ -25,11 +25,12 @@ triangle_flux(double F[3], const double at[3], const double p0[3],
 static void
 group_flux(double F[3], const double at[3], const struct rad_polytree *t)
 {
-    if (!t->kid[0]) {
-        triangle_flux(F, at, t->p0, t->e1, t->e2);
-    } else {
-        group_flux(F, at, t->kid[0]);
-        group_flux(F, at, t->kid[1]);
+    for (int i = 0; i < t->nedges; i++) {
+        double a[3], b[3];
+
+        rad_sub(a, t->edge[i].from, at);
+        rad_sub(b, t->edge[i].to, at);
+        rad_contour_edge(F, a, b);
     }
 }
 

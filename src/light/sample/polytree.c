@@ -83,30 +83,40 @@ find_ear(const struct corners *c, int at)
     return best;
 }
 
-/* Make *leaf the triangle of corner j; false: it has no area. */
+/* Make *leaf the triangle of corner j, with its edges at `edge`; false: it has
+ * no area. */
 static bool
-make_leaf(struct rad_polytree *leaf, const struct corners *c, int j)
+make_leaf(struct rad_polytree *leaf, const struct corners *c, int j,
+          struct rad_polytree_edge edge[3])
 {
     const double *p0 = c->v + 3 * c->prev[j];
+    const double *p1 = c->v + 3 * j, *p2 = c->v + 3 * c->next[j];
 
     memset(leaf, 0, sizeof *leaf);
     rad_copy(leaf->p0, p0);
-    rad_sub(leaf->e1, c->v + 3 * j, p0);
-    rad_sub(leaf->e2, c->v + 3 * c->next[j], p0);
+    rad_sub(leaf->e1, p1, p0);
+    rad_sub(leaf->e2, p2, p0);
     rad_triangle_moments(&leaf->m, leaf->p0, leaf->e1, leaf->e2);
+    edge[0] = (struct rad_polytree_edge){ p0, p1 };
+    edge[1] = (struct rad_polytree_edge){ p1, p2 };
+    edge[2] = (struct rad_polytree_edge){ p2, p0 };
+    leaf->edge = edge;
+    leaf->nedges = 3;
     return leaf->m.area > 0;
 }
 
-/* Cut all ears into leaves; returns their number, at most n - 2. */
+/* Cut all ears into leaves, with edges in edges[3 * n]; returns their number,
+ * at most n - 2. */
 static int
-cut_ears(struct corners *c, int n, struct rad_polytree *leaves)
+cut_ears(struct corners *c, int n, struct rad_polytree *leaves,
+         struct rad_polytree_edge *edges)
 {
     int nleaves = 0, at = 0;
 
     for (int left = n; left >= 3; left--) {
         int j = find_ear(c, at);
 
-        if (make_leaf(&leaves[nleaves], c, j))
+        if (make_leaf(&leaves[nleaves], c, j, edges + 3 * nleaves))
             nleaves++;
         c->next[c->prev[j]] = c->next[j];
         c->prev[c->next[j]] = c->prev[j];
@@ -213,11 +223,41 @@ sort_along(struct rad_polytree *leaves, int n, int axis)
         }
 }
 
+/* Set the node's outline from those of its kids: an edge that both have, one
+ * there and one back, is inside. */
+static bool
+join_outlines(struct rad_polytree *node, struct rad_arena *arena)
+{
+    const struct rad_polytree *a = node->kid[0], *b = node->kid[1];
+    int n = a->nedges, most = n + b->nedges;
+    struct rad_polytree_edge *edge =
+        rad_arena_calloc(arena, (size_t)most, sizeof *edge);
+
+    if (!edge)
+        return false;
+    memcpy(edge, a->edge, (size_t)n * sizeof *edge);
+    for (int i = 0; i < b->nedges; i++) {
+        const struct rad_polytree_edge *e = &b->edge[i];
+        int k = 0;
+
+        while (k < n && !(edge[k].from == e->to && edge[k].to == e->from))
+            k++;
+        if (k < n)
+            edge[k] = edge[--n];
+        else
+            edge[n++] = *e;
+    }
+    node->edge = edge;
+    node->nedges = n;
+    return true;
+}
+
 /* Group n leaves under one node, which is taken from *spare.  The node's aim is
- * its centroid if that lies in a triangle, else the largest triangle's. */
+ * its centroid if that lies in a triangle, else the largest triangle's.  NULL:
+ * out of memory. */
 static const struct rad_polytree *
 group(struct rad_polytree *leaves, int n, struct rad_polytree **spare,
-      const double normal[3])
+      const double normal[3], struct rad_arena *arena)
 {
     struct rad_polytree *node;
     const struct rad_polytree *big = leaves;
@@ -227,8 +267,10 @@ group(struct rad_polytree *leaves, int n, struct rad_polytree **spare,
     sort_along(leaves, n, widest_axis(leaves, n));
     node = (*spare)++;
     memset(node, 0, sizeof *node);
-    node->kid[0] = group(leaves, n / 2, spare, normal);
-    node->kid[1] = group(leaves + n / 2, n - n / 2, spare, normal);
+    node->kid[0] = group(leaves, n / 2, spare, normal, arena);
+    node->kid[1] = group(leaves + n / 2, n - n / 2, spare, normal, arena);
+    if (!node->kid[0] || !node->kid[1] || !join_outlines(node, arena))
+        return NULL;
     join_moments(&node->m, &node->kid[0]->m, &node->kid[1]->m);
     for (int i = 0; i < n; i++) {
         if (rad_polytree_has(&leaves[i], node->m.c, normal)) {
@@ -247,13 +289,15 @@ rad_polytree_new(const double *v, int n, const double normal[3],
                  struct rad_arena *arena)
 {
     struct rad_polytree *nodes, *spare;
+    struct rad_polytree_edge *edges;
     struct corners c = { .v = v };
     int k = 0, nleaves;
 
     nodes = rad_arena_calloc(arena, 2 * (size_t)n, sizeof *nodes);
+    edges = rad_arena_calloc(arena, 3 * (size_t)n, sizeof *edges);
     c.next = rad_arena_calloc(arena, (size_t)n, sizeof *c.next);
     c.prev = rad_arena_calloc(arena, (size_t)n, sizeof *c.prev);
-    if (!nodes || !c.next || !c.prev)
+    if (!nodes || !edges || !c.next || !c.prev)
         return NULL;
     for (int i = 1; i < 3; i++)
         if (fabs(normal[i]) > fabs(normal[k]))
@@ -265,9 +309,9 @@ rad_polytree_new(const double *v, int n, const double normal[3],
         c.next[i] = (i + 1) % n;
         c.prev[i] = (i + n - 1) % n;
     }
-    nleaves = cut_ears(&c, n, nodes);
+    nleaves = cut_ears(&c, n, nodes, edges);
     if (nleaves == 0)
         return nodes; /* no area: a leaf of zeros */
     spare = nodes + nleaves;
-    return group(nodes, nleaves, &spare, normal);
+    return group(nodes, nleaves, &spare, normal, arena);
 }

@@ -11,14 +11,22 @@
 
 #include "light/sample/sample.h"
 
+/* An edge between two corners of the polygon. */
+struct rad_polytree_edge {
+    const double *from, *to;
+};
+
 struct rad_polytree {
     struct rad_moments m;
     const struct rad_polytree *kid[2]; /* NULL in leaves */
     double p0[3], e1[3], e2[3];        /* of leaves: a corner and two sides */
+    /* the outline: the edges that no two triangles below share */
+    const struct rad_polytree_edge *edge;
+    int nedges;
 };
 
-/* Triangulate the polygon of n points v[3 * n] with unit normal, in arena.
- * NULL: out of memory. */
+/* Triangulate the polygon of n points v[3 * n] with unit normal, in arena; the
+ * tree refers to v.  NULL: out of memory. */
 const struct rad_polytree *rad_polytree_new(const double *v, int n,
                                             const double normal[3],
                                             struct rad_arena *arena);

@@ -192,6 +192,23 @@ TEST(aims_are_on_the_light)
     }
 }
 
+/* Edges that two triangles share cancel in the flux, and would take as long as
+ * the others. */
+TEST(an_outline_has_the_polygons_edges_alone)
+{
+    struct rad_source src;
+
+    for (int i = 0; i < N_ELEM(polygon); i++) {
+        make_light(&src, RAD_POLYGON, polygon[i].v, 3 * polygon[i].n);
+        if (src.tree)
+            ck_assert_int_le(src.tree->nedges, polygon[i].n);
+    }
+    make_light(&src, RAD_POLYGON, frame, 3 * 10);
+    ck_assert_int_eq(src.tree->nedges, 10);
+    for (int k = 0; k < 2; k++)
+        ck_assert_int_lt(src.tree->kid[k]->nedges, 3 * 4);
+}
+
 /* Rings about the z axis that face down at height h, seen from (x, 0, 0) with
  * the normal up. */
 static const struct {
