@@ -28,6 +28,7 @@ noinst_HEADERS = \
 	tests/plan_parts.h \
 	tests/scarce.h \
 	tests/scratch.h \
+	tests/stats_text.h \
 	tests/unit.h \
 	tests/world.h \
 	tests/world_fixture.h \

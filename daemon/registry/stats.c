@@ -421,14 +421,3 @@ stats_take(struct stats_text *t)
     free(t);
     return text;
 }
-
-char *
-stats_json(const struct job *job, uint64_t now_ms)
-{
-    struct stats_text *t = stats_begin(job, now_ms);
-
-    if (t && stats_more(t, job, UINT32_MAX) == 1)
-        return stats_take(t);
-    stats_free(t);
-    return NULL;
-}

@@ -9,14 +9,11 @@
 
 #include "jobs/job.h"
 
-/* malloc'd text; NULL: memory is out. */
-char *stats_json(const struct job *job, uint64_t now_ms);
-
-/* The statistics in pieces, for a job may have very many units.  stats_begin()
- * writes the beginning, as of now; each stats_more() writes up to `most` units
- * and lines.  stats_more() returns 1: all is written; 0: there is more; or
- * RAD_ENOMEM.  When all is written stats_take() returns the text, malloc'd, and
- * frees the rest. */
+/* In pieces, for a job may have very many units.  stats_begin() writes the
+ * beginning, as of now; each stats_more() writes up to `most` units and lines.
+ * stats_more() returns 1: all is written; 0: there is more; or RAD_ENOMEM. When
+ * all is written stats_take() returns the text, malloc'd, and frees the rest.
+ */
 #define STATS_PIECE 500 /* units and lines: some milliseconds */
 struct stats_text;
 struct stats_text *stats_begin(const struct job *job, uint64_t now_ms);

@@ -46,21 +46,17 @@ void rad_ambread_release(struct rad_ambread *r);
  * False: out of memory. */
 bool rad_ambread_add(struct rad_ambread *r, const struct rad_ambrec *rec);
 
-/* Put the records that were added into the trees, while no visit is under way.
- * zone(arg, item) is a record's zone, the same at each call.  False: out of
- * memory; then nothing may be added any more. */
-typedef struct rad_ambzone rad_ambread_zone_fn(const void *arg,
-                                               const struct rad_ambitem *item);
-bool rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
-                        const void *arg);
-
-/* The same for several threads, and beside visits: begin, which returns a
- * number of pieces; make each of these once; end, with the result of
- * rad_ambread_settle().  Visits find what was settled before, and then all.
+/* Settle: put the records that were added into the trees, by several threads
+ * and beside visits.  Begin, which returns a number of pieces; make each of
+ * these once; end.  zone(arg, item) is a record's zone, the same at each call.
+ * The end returns false if memory was out; then nothing may be added any more.
+ * Visits find what was settled before, and then all.
  * When a settling begins the visits are over that were under way, or the tiles
  * that made them, when the RAD_AMBREAD_LATE-th settling before it ended; or,
  * if `alone`, all that began before.
  * Thread: one begins, and one ends; any number make pieces. */
+typedef struct rad_ambzone rad_ambread_zone_fn(const void *arg,
+                                               const struct rad_ambitem *item);
 #define RAD_AMBREAD_LATE 3
 size_t rad_ambread_settle_begin(struct rad_ambread *r, bool alone,
                                 rad_ambread_zone_fn *zone, const void *arg);

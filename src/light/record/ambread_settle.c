@@ -632,14 +632,3 @@ rad_ambread_settle_end(struct rad_ambread *r)
     atomic_store_explicit(&r->trees, trees, memory_order_release);
     return true;
 }
-
-bool
-rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
-                   const void *arg)
-{
-    size_t n = rad_ambread_settle_begin(r, true, zone, arg);
-
-    for (size_t i = 0; i < n; i++)
-        rad_ambread_settle_piece(r, i);
-    return rad_ambread_settle_end(r);
-}

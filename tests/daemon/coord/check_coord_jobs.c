@@ -528,7 +528,7 @@ TEST(statistics_in_pieces_are_those_at_once)
     for (uint32_t unit = 0; unit < 3; unit++)
         result(WORKER, job_a, unit, 1);
     job = desk_find_job(f.c, job_a);
-    whole = stats_json(job, f.now_ms);
+    whole = stats_text(job, f.now_ms);
     t = stats_begin(job, f.now_ms);
     ck_assert(whole && t);
     while ((rc = stats_more(t, job, 1)) == 0)

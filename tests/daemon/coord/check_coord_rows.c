@@ -202,7 +202,7 @@ TEST(statistics_tell_what_is_in_hand)
     job = desk_find_job(f.c, job_a);
     result(WORKER, job_a, 0, 1);
     f.now_ms += 3000;
-    text = stats_json(job, f.now_ms);
+    text = stats_text(job, f.now_ms);
     root = json_loads(text, 0, NULL);
     list = json_object_get(root, "running");
     ck_assert_uint_eq(json_array_size(list), job->nout);
@@ -215,7 +215,7 @@ TEST(statistics_tell_what_is_in_hand)
     free(text);
     for (uint32_t u = 1; u < 4; u++)
         result(WORKER, job_a, u, 1);
-    text = stats_json(job, f.now_ms);
+    text = stats_text(job, f.now_ms);
     ck_assert_ptr_nonnull(strstr(text, "\"running\": []"));
     free(text);
 }

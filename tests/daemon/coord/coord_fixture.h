@@ -8,8 +8,8 @@
 
 #include "desk/desk.h"
 #include "front/coord.h"
-#include "registry/stats.h"
 #include "proto/frame.h"
+#include "tests/stats_text.h"
 #include "tests/unit.h"
 
 #include <jansson.h>
@@ -364,7 +364,7 @@ two_are_left(void)
 static inline double
 worker_stat(const char *key)
 {
-    char *text = stats_json(desk_find_job(f.c, job_a), f.now_ms);
+    char *text = stats_text(desk_find_job(f.c, job_a), f.now_ms);
     json_t *root = json_loads(text, 0, NULL);
     json_t *w = json_array_get(json_object_get(root, "workers"), 0);
     double v = json_number_value(json_object_get(w, key));

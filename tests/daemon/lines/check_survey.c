@@ -19,7 +19,7 @@ line_costs(uint32_t frame, uint32_t line, uint32_t nlines)
 static json_t *
 line_stats(json_t **root)
 {
-    char *text = stats_json(desk_find_job(f.c, id), f.now_ms);
+    char *text = stats_text(desk_find_job(f.c, id), f.now_ms);
 
     *root = json_loads(text, 0, NULL);
     free(text);

@@ -11,7 +11,7 @@
 #include "picture/quincunx.h"
 #include "desk/desk.h"
 #include "front/coord.h"
-#include "registry/stats.h"
+#include "tests/stats_text.h"
 #include "tests/unit.h"
 
 #include <jansson.h>
@@ -392,7 +392,7 @@ first_unit_of(uint64_t conn)
 static inline double
 stat_of(const char *group, const char *key)
 {
-    char *text = stats_json(desk_find_job(f.c, id), f.now_ms);
+    char *text = stats_text(desk_find_job(f.c, id), f.now_ms);
     json_t *root = json_loads(text, 0, NULL);
     double v =
         json_number_value(json_object_get(json_object_get(root, group), key));
@@ -405,7 +405,7 @@ stat_of(const char *group, const char *key)
 static inline double
 worker_stat(const char *name, const char *key)
 {
-    char *text = stats_json(desk_find_job(f.c, id), f.now_ms);
+    char *text = stats_text(desk_find_job(f.c, id), f.now_ms);
     json_t *root = json_loads(text, 0, NULL), *o;
     double v = 0;
     size_t i;

@@ -230,7 +230,18 @@ zone_of(const void *arg, const struct rad_ambitem *rec)
     return sample[(int)rec->E.g].zone;
 }
 
-/* Settle, the last piece first. */
+/* Settle while no visit is under way. */
+static bool
+settle(struct rad_ambread *r)
+{
+    size_t n = rad_ambread_settle_begin(r, true, zone_of, NULL);
+
+    for (size_t i = 0; i < n; i++)
+        rad_ambread_settle_piece(r, i);
+    return rad_ambread_settle_end(r);
+}
+
+/* The same beside visits, the last piece first. */
 static bool
 settle_backwards(struct rad_ambread *r)
 {
@@ -260,7 +271,7 @@ settle_in(struct rad_ambread *r, const double corner[3], double side,
         if (i % 700 == 3)
             ok &= settle_backwards(r);
     }
-    ok &= rad_ambread_settle(r, zone_of, NULL);
+    ok &= settle(r);
     ck_assert(ok);
 }
 
@@ -372,7 +383,7 @@ TEST(frozen_records_come_in_an_order_that_ignores_how_they_were_settled)
     rad_ambread_init(&once, org, SIDE);
     for (int i = 0; i < RECORDS; i++)
         ck_assert(rad_ambread_add(&once, &sample[i].rec));
-    ck_assert(rad_ambread_settle(&once, zone_of, NULL));
+    ck_assert(settle(&once));
     for (int i = 0; i < QUERIES; i++) {
         struct question ask = ask_anywhere(i);
         struct found a = { .enough = .02 }, b = { .enough = .02 };
@@ -403,7 +414,7 @@ TEST(of_frozen_records_the_later_ones_can_be_left_out)
     rad_ambread_init(&half, org, SIDE);
     for (int i = 0; i < RECORDS / 2; i++)
         ck_assert(rad_ambread_add(&half, &sample[i].rec));
-    ck_assert(rad_ambread_settle(&half, zone_of, NULL));
+    ck_assert(settle(&half));
     for (int i = 0; i < QUERIES; i++) {
         struct question ask = ask_anywhere(i);
         struct found a = { .enough = INFINITY }, b = { .enough = INFINITY };
@@ -607,7 +618,7 @@ TEST(settling_without_memory_fails)
 
         few_added(&r);
         fails_at = allocations + i;
-        ok = rad_ambread_settle(&r, zone_of, NULL);
+        ok = settle(&r);
         failed += !ok;
         for (int k = 0; ok && k < FEW; k++) {
             struct question q = ask_near(&sample[k], (uint64_t)k);
@@ -647,9 +658,9 @@ TEST(large_zones_that_come_last_are_not_in_all_small_leaves)
         s->zone = (struct rad_ambzone){ reach, reach / 2, 0 };
         ok &= rad_ambread_add(&r, &s->rec);
         if (i % 100 == 99)
-            ok &= rad_ambread_settle(&r, zone_of, NULL);
+            ok &= settle(&r);
     }
-    ok &= rad_ambread_settle(&r, zone_of, NULL);
+    ok &= settle(&r);
     ck_assert(ok);
     ck_assert_uint_lt(rad_ambread_bytes(&r), 300 * r.n);
     rad_ambread_release(&r);
