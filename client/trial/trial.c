@@ -13,9 +13,9 @@
 
 enum { FIRST = 64, MOST_WINDOWS = 32, RECORDS = 64 };
 
-/* Shares of the windows' pixels that are made again, in areas without contrast
- * and at places. */
-#define AREAS_TRIED  (1. / 300)
+/* Shares of the windows' pixels that are made again, in even areas and at
+ * places. */
+#define AREAS_TRIED  (1. / 450)
 #define PLACES_TRIED (1. / 1500)
 
 /* Processor time of a trial, roughly, and its least numbers of strewn pixels

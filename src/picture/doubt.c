@@ -5,12 +5,12 @@
  * 2.
  *
  * Most error is at edges and in a little gloss, on a few pixels.  So areas are
- * chosen by their contrast, and an area that was likelier to be chosen counts
- * less (Horvitz & Thompson 1952).  A few pixels of a chosen area are rendered
- * first; the more these are off, the likelier all pixels of the area are
- * rendered, twice, and again the area counts less for that.  All pixels are
- * needed: an error on a few of many pixels is missing from most subsets, and
- * so is its light from their mean. */
+ * chosen by how much neighbouring pixels differ, and an area that was likelier
+ * to be chosen counts less (Horvitz & Thompson 1952).  All pixels of a chosen
+ * area are rendered once; the more the area is off, the likelier all are
+ * rendered a second time, and again the area counts less for that.  All pixels
+ * are needed: an error on a few of many pixels is missing from most subsets,
+ * and so is its light from their mean. */
 #include "config.h"
 
 #include "picture/doubt.h"
@@ -51,32 +51,35 @@
 #define MOST_BEYOND 20.
 #define FURTHER     64
 
-/* The number of areas, if none has contrast, and the number of places that are
- * looked at in a picture. */
-#define AREAS  600.
-#define PLACES 48.
-
-/* But there is at most one area, or place, for so many pixels.  Areas take few
- * hemispheres: where these have more than DENSER_RAYS rays there may be as many
- * times more areas for the same part of a picture's rays, up to DENSEST_AREAS
- * times.  A small picture nevertheless has up to FEW_PLACES places, but not
- * more than one for DENSEST_PLACES pixels: each place takes two hemispheres. */
-#define SPARSE_AREAS   600.
-#define DENSER_RAYS    128.
-#define DENSEST_AREAS  4.
+/* How many areas, if all are even, and places are looked at in a picture: one
+ * for so many pixels (SPARSE), and no more than AREAS and PLACES.  A small
+ * picture nevertheless has FEW, but not more than one for DENSEST pixels: each
+ * area takes some 40 pixels, and each place two hemispheres. */
+#define SPARSE_AREAS   900.
+#define FEW_AREAS      80.
+#define DENSEST_AREAS  400.
+#define AREAS          400.
 #define SPARSE_PLACES  3000.
 #define FEW_PLACES     8.
 #define DENSEST_PLACES 100.
+#define PLACES         48.
 
-/* An area with contrast c is 1 + BY_CONTRAST c^2 times as likely to be chosen
- * as one without.  A black area has contrast BLACK: light may be missing. */
-#define BY_CONTRAST 3.
-#define BLACK       .5
+/* Areas take no hemispheres: where these have more than MORE_RAYS rays there
+ * may be as many times more areas for the same part of a picture's rays, up to
+ * MORE_AREAS times.  Without a cache no small picture has more for being small,
+ * for each pixel that is traced takes as many rays as in an area. */
+#define MORE_RAYS  128.
+#define MORE_AREAS 4.
 
-/* If the first pixels of an area are off by r, relative, all of its pixels are
- * rendered again with probability GO_ON + BY_OFF r. */
-#define GO_ON  .3
-#define BY_OFF 2.
+/* An area with roughness r is 1 + BY_ROUGHNESS r times as likely to be chosen
+ * as an even one.  A black area has roughness BLACK: light may be missing. */
+#define BY_ROUGHNESS 10.
+#define BLACK        .1
+
+/* If an area is off by r, relative, all of its pixels are rendered a second
+ * time with probability GO_ON + BY_OFF r. */
+#define GO_ON  .2
+#define BY_OFF 10.
 
 /* Of the tried pixels one becomes the place, with a probability that goes by
  * the square of the error that its records predict (cut at MOST_OFF), plus EVEN
@@ -87,7 +90,6 @@
 enum {
     SIDE = 5,
     AREA = SIDE * SIDE, /* pixels of an area, about */
-    FEW = 4,            /* pixels of an area that are rendered first */
     MOST = 50           /* pixels of an area, at most */
 };
 /* area_at() rounds to whole columns, and may add half a width */
@@ -108,6 +110,12 @@ struct look {
     double *sum;
     struct rad_doubt_off *off; /* NULL: not wanted */
 };
+
+static double
+squared(double d)
+{
+    return d * d;
+}
 
 static double
 bound(double square)
@@ -360,17 +368,13 @@ struct area {
     int x, width, n; /* n: pixels */
 };
 
-/* Pixels of an area that are rendered again. */
+/* The pixels of an area, rendered again; sums over all of them. */
 struct redone {
-    int order[MOST];     /* the area's pixels, shuffled */
-    int n[NFRAMES];      /* so many pixels are done, in each frame */
-    double off[NFRAMES]; /* sums of shown less fresh luminance */
-    double first[MOST];  /* shown less fresh luminance in the first frame, by
-                          * pixel of `order` */
-    double noise;        /* sum of the pixels' variances, each from two
-                          * values */
-    double light, fresh; /* luminance of all pixels as shown, and of all that
-                          * were rendered again */
+    double off[NFRAMES];   /* shown less fresh luminance */
+    double fresh[NFRAMES]; /* fresh luminance */
+    double light;          /* luminance as shown */
+    double noise;          /* the pixels' variances, each from two values */
+    double lum[MOST];      /* of each pixel, in the frame rendered last */
 };
 
 static double
@@ -385,111 +389,85 @@ shown_of(const struct look *k, const struct area *a, int i)
     return shown(k, a->x + i % a->width, i / a->width);
 }
 
+/* Render all pixels of the area again in one frame. */
 static void
-shuffle(struct look *k, const struct area *a, int order[MOST])
+redo(struct look *k, const struct area *a, struct redone *r, int frame)
 {
-    for (int i = 0; i < a->n; i++)
-        order[i] = i;
-    for (int i = 0; i + 1 < a->n; i++) {
-        int other = i + (int)(draw(k) * (a->n - i)), kept = order[i];
+    for (int i = 0; i < a->n && !is_stopped(k); i++) {
+        double lum = remake(k, a, frame, i);
 
-        order[i] = order[other];
-        order[other] = kept;
+        r->off[frame] += shown_of(k, a, i) - lum;
+        r->fresh[frame] += lum;
+        r->noise += frame == FIRST ? 0 : squared(lum - r->lum[i]) / 2;
+        r->lum[i] = lum;
     }
 }
 
-/* Render pixels again in one frame until n are done. */
-static void
-redo(struct look *k, const struct area *a, struct redone *r, int frame, int n)
-{
-    for (int i = r->n[frame]; i < n && !is_stopped(k); r->n[frame] = ++i) {
-        double lum = remake(k, a, frame, r->order[i]);
-        double off = shown_of(k, a, r->order[i]) - lum;
-
-        r->off[frame] += off;
-        r->fresh += lum;
-        if (frame == FIRST)
-            r->first[i] = off;
-        else
-            r->noise += (off - r->first[i]) * (off - r->first[i]) / 2;
-    }
-}
-
-/* The area's mean luminance: half shown, half rendered again. */
+/* The probability that the area is rendered a second time, given the first. */
 static double
-mean_of(const struct area *a, const struct redone *r)
+go_on(const struct redone *r)
 {
-    return (r->light / a->n + r->fresh / (r->n[FIRST] + r->n[SECOND])) / 2;
+    double all = (r->light + r->fresh[FIRST]) / 2;
+
+    return all > 0 ? fmin(GO_ON + BY_OFF * fabs(r->off[FIRST]) / all, 1)
+                   : GO_ON;
 }
 
-/* The probability that all pixels of the area are rendered again, given the
- * first few. */
-static double
-go_on(const struct area *a, const struct redone *r)
-{
-    double mean = mean_of(a, r), off = 0;
-
-    for (int i = 0; i < r->n[FIRST]; i++)
-        off += fabs(r->first[i]);
-    return mean > 0 ? fmin(GO_ON + BY_OFF * off / (r->n[FIRST] * mean), 1)
-                    : GO_ON;
-}
-
-/* whole: all pixels of the area are rendered again, whatever the first few are
- * off by. */
+/* Half of an area's light is as shown, half rendered again. */
 static void
-look_at_area(struct look *k, const struct area *a, double weight, bool whole)
+look_at_area(struct look *k, const struct area *a, double weight)
 {
     struct redone r = { .light = 0 };
     double likely, all, square;
 
-    shuffle(k, a, r.order);
     for (int i = 0; i < a->n; i++)
         r.light += shown_of(k, a, i);
-    redo(k, a, &r, FIRST, a->n < FEW ? a->n : FEW);
+    redo(k, a, &r, FIRST);
     if (is_stopped(k))
         return;
     k->sum[RAD_DOUBT_AREAS] += weight;
-    likely = whole ? 1 : go_on(a, &r);
+    likely = go_on(&r);
     if (draw(k) >= likely)
         return;
-    redo(k, a, &r, FIRST, a->n);
-    redo(k, a, &r, SECOND, a->n);
-    all = a->n * mean_of(a, &r);
+    redo(k, a, &r, SECOND);
+    all = r.light / 2 + (r.fresh[FIRST] + r.fresh[SECOND]) / 4;
     if (is_stopped(k) || !(all > 0))
         return;
     weight /= likely;
-    square = r.off[FIRST] * r.off[SECOND] / (all * all);
-    square = weight * bound(square);
+    square = weight * bound(r.off[FIRST] * r.off[SECOND] / squared(all));
     k->sum[RAD_DOUBT_PIXEL] += square;
-    k->sum[RAD_DOUBT_PIXEL2] += square * square;
+    k->sum[RAD_DOUBT_PIXEL2] += squared(square);
     k->sum[RAD_DOUBT_NOISE] +=
-        weight * fmin(r.noise / (all * all), MOST_SQUARE);
+        weight * fmin(r.noise / squared(all), MOST_SQUARE);
 }
 
+/* The root of the summed squares by which neighbouring pixels differ, over the
+ * light of all.  An area's light is off by some .3 times as much where edges
+ * run anywhere between two pixels. */
 static double
-contrast(const struct look *k, const struct area *a)
+roughness(const struct look *k, const struct area *a)
 {
-    double lo = shown(k, a->x, 0), hi = lo;
+    double lum[MOST], light = 0, squares = 0;
 
     for (int i = 0; i < a->n; i++) {
-        double lum = shown(k, a->x + i % a->width, i / a->width);
-
-        lo = fmin(lo, lum);
-        hi = fmax(hi, lum);
+        light += lum[i] = shown_of(k, a, i);
+        if (i % a->width > 0)
+            squares += squared(lum[i] - lum[i - 1]);
+        if (i >= a->width)
+            squares += squared(lum[i] - lum[i - a->width]);
     }
-    return hi > 0 ? (hi - lo) / (hi + lo) : BLACK;
+    return light > 0 ? sqrt(squares) / light : BLACK;
 }
 
 static void
 look_about(struct look *k, const struct area *a,
            const struct rad_doubt_share *share)
 {
-    double c = contrast(k, a);
-    double likely = fmin(share->areas * a->n * (1 + BY_CONTRAST * c * c), 1);
+    double rough = 1 + BY_ROUGHNESS * roughness(k, a);
+    double likely = fmin(share->areas * a->n * rough, 1);
 
     if (draw(k) < likely)
-        look_at_area(k, a, 1 / likely, isinf(share->areas));
+        look_at_area(k, a, 1 / likely);
 }
 
 /* --- rows --- */
@@ -503,14 +481,16 @@ places_of(double pixels)
     return fmin(fmax(pixels / SPARSE_PLACES, few), PLACES);
 }
 
-/* How many areas to look at per pixel. */
+/* How many areas to look at in a picture. */
 static double
 areas_of(const struct rad_job *job, double pixels)
 {
-    double rays = job->ambient ? job->params.ambdiv / DENSER_RAYS : 0;
+    double few = fmin(FEW_AREAS, pixels / DENSEST_AREAS);
+    double more = fmin(fmax(job->params.ambdiv / MORE_RAYS, 1), MORE_AREAS);
 
-    return fmin(fmin(fmax(rays, 1), DENSEST_AREAS) / SPARSE_AREAS,
-                AREAS / pixels);
+    if (!job->ambient)
+        return fmin(pixels / SPARSE_AREAS, AREAS);
+    return fmin(more * fmax(pixels / SPARSE_AREAS, few), AREAS);
 }
 
 struct rad_doubt_share
@@ -521,7 +501,7 @@ rad_doubt_of_picture(const struct rad_frame *f)
     /* most of what sensor points err by is on the few at shadows' edges, of
      * which a sparse subset knows nothing */
     return (struct rad_doubt_share){
-        .areas = f->points ? 0 : areas_of(f->job, pixels),
+        .areas = f->points ? 0 : areas_of(f->job, pixels) / pixels,
         .places = f->job->ambient ? places_of(pixels) / pixels : 0
     };
 }

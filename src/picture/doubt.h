@@ -27,7 +27,7 @@
 #include <math.h>
 
 /* Sums over all areas and places that were looked at; those of several threads
- * add up.  Areas with contrast, and places where records predict errors, are
+ * add up.  Rough areas, and places where records predict errors, are
  * chosen more often, and each counts less for that. */
 enum rad_doubt_sum {
     RAD_DOUBT_PLACES,  /* number of places */
@@ -82,8 +82,8 @@ struct rad_error_squares {
 };
 struct rad_error_squares rad_doubt_squares(const struct rad_doubt *d);
 
-/* Per pixel of the picture, how many areas and places to look at.  With
- * INFINITY areas each area is looked at, and all of its pixels. */
+/* Per pixel of the picture, how many areas and places to look at; with INFINITY
+ * areas each area. */
 struct rad_doubt_share {
     double areas, places;
 };

@@ -15,10 +15,10 @@
 #define BRANCH UINT64_C(0x636865636b740000)
 
 /* For a tile: the number of places, of windows, and of areas looked at in a
- * window without contrast; all areas if the pictures are small. */
+ * window if all are even; all areas if the pictures are small. */
 #define PLACES  2
 #define WINDOWS 2
-#define AREAS   4.
+#define AREAS   2.5
 #define POINTS  8. /* sensors looked at, each an area, in place of AREAS */
 
 /* The size of a window: in steps of the sampler across, and in base lines. */

@@ -34,19 +34,27 @@ tear_down(void)
 
 FIXTURE(NULL, tear_down)
 
+static const char view_text[] = "-vp 0 -4.9 2.5 -vd 0 1 -.3 -vh 80 -vv 80";
+
 static void
-make_of(const char *scene, const char *view, const char *options)
+open_of(const char *scene, const char *view, const char *options)
 {
     picture_close(&pic);
     world_open(&pic.w, scene, options);
     world_frame(&pic.w, view, false, &pic.frame);
+}
+
+static void
+make_of(const char *scene, const char *view, const char *options)
+{
+    open_of(scene, view, options);
     picture_render(&pic);
 }
 
 static void
 make(const char *options)
 {
-    make_of(scene_text, "-vp 0 -4.9 2.5 -vd 0 1 -.3 -vh 80 -vv 80", options);
+    make_of(scene_text, view_text, options);
 }
 
 /* Make one of so many pixels again, by lines of n rows. */
@@ -133,6 +141,20 @@ TEST(what_few_pixels_are_off_by_is_found)
     ck_assert_double_le(rad_doubt_error(&d).all, 1.2);
 }
 
+/* One pixel of one area in nine has all the error, and makes the area rough:
+ * then the area is looked at.  Of even areas one in ten is. */
+TEST(rough_areas_are_looked_at)
+{
+    struct rad_doubt d;
+
+    make(PURE);
+    for (int y = 7; y < 90; y += 15)
+        for (int x = 7; x < 90; x += 15)
+            pic.pixel[y * 90 + x].L = rad_grey(1e9f);
+    d = look(5, (struct rad_doubt_share){ .004, 0 });
+    ck_assert_double_eq_tol(d.v[RAD_DOUBT_PIXEL], 6 * 6, 1);
+}
+
 /* By chance the pixel would be missed in six of ten areas. */
 TEST(a_single_pixel_is_found_where_all_are_looked_at)
 {
@@ -151,22 +173,30 @@ TEST(a_single_pixel_is_found_where_all_are_looked_at)
     }
 }
 
-/* Hemispheres of many rays take more of a picture's rays than areas do. */
+/* Hemispheres of many rays take more of a picture's rays than areas do, and of
+ * a small picture a few areas tell too little. */
 TEST(areas_are_denser_where_hemispheres_take_the_rays)
 {
     static const struct {
+        int width; /* of the picture */
         const char *options;
-        double pixels; /* of the picture, for an area without contrast */
-    } row[] = { { "-ab 0 -ad 512", 600 },
-                { "-ab 1 -aa .2 -ad 16", 600 },
-                { "-ab 1 -aa .2 -ad 192", 400 },
-                { "-ab 1 -aa .2 -ad 1024", 150 } };
+        double pixels; /* for an even area */
+    } row[] = { { 60, "-ab 0 -ad 512", 900 },
+                { 60, "-ab 1 -aa .2 -ad 16", 400 },
+                { 60, "-ab 1 -aa .2 -ad 192", 800 / 3. },
+                { 60, "-ab 1 -aa .2 -ad 1024", 100 },
+                { 240, "-ab 1 -aa .2 -ad 16", 720 },
+                { 300, "-ab 1 -aa .2 -ad 16", 900 },
+                { 960, "-ab 1 -aa .2 -ad 16", 2304 },
+                { 960, "-ab 1 -aa .2 -ad 1024", 2304 },
+                { 960, "-ab 0", 2304 } };
 
     for (unsigned i = 0; i < N_ELEM(row); i++) {
         char options[100];
 
-        snprintf(options, sizeof options, "-x 4 -y 4 %s", row[i].options);
-        make(options);
+        snprintf(options, sizeof options, "-x %d -y %d %s", row[i].width,
+                 row[i].width, row[i].options);
+        open_of(scene_text, view_text, options);
         ck_assert_double_eq_tol(rad_doubt_of_picture(&pic.frame).areas,
                                 1 / row[i].pixels, 1e-12);
     }
