@@ -64,7 +64,7 @@
 #define DENSEST_PLACES 100.
 #define PLACES         48.
 
-/* Areas take no hemispheres: where these have more than MORE_RAYS rays there
+/* Areas take few hemispheres: where these have more than MORE_RAYS rays there
  * may be as many times more areas for the same part of a picture's rays, up to
  * MORE_AREAS times.  Without a cache no small picture has more for being small,
  * for each pixel that is traced takes as many rays as in an area. */
