@@ -2,8 +2,6 @@
 libdaemon_a_SOURCES += \
 	daemon/filling/colours.c \
 	daemon/filling/colours.h \
-	daemon/filling/dearest.c \
-	daemon/filling/dearest.h \
 	daemon/filling/filled.c \
 	daemon/filling/filled.h \
 	daemon/filling/passes.c \

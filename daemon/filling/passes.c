@@ -18,7 +18,6 @@
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/colours.h"
-#include "filling/dearest.h"
 #include "filling/filled.h"
 #include "filling/passes_impl.h"
 #include "filling/records.h"
@@ -62,7 +61,6 @@ passes_free(struct passes *s)
     free(s->plan);
     free(s->weight);
     free(s->closed);
-    dearest_free(s->dearest);
     free(s->size);
     free(s);
 }
@@ -256,8 +254,7 @@ lay_out(struct job *job, struct rad_error *err)
     struct passes *s = job->passes = calloc(1, sizeof *s);
     int rc;
 
-    if (!s || !(s->size = stages_sizes(&job->spec)) ||
-        !(s->dearest = dearest_new(s->size, job->spec.nframes)))
+    if (!s || !(s->size = stages_sizes(&job->spec)))
         return rad_fail_memory(err);
     tiles_drop(s);
     rc = plan_stage(job, err);
@@ -591,7 +588,6 @@ take_tile(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
         return true;
     records_feed(c, job, pass, m->tile);
     count_tile(job, pass, index, &m->counts);
-    dearest_note(s->dearest, &s->plan[pass], m->tile, m->counts.rays);
     colours_keep(c, job, &s->plan[pass], m);
     close_passes(c, job, is_before_units(s));
     note_progress(job);

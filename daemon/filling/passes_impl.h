@@ -8,7 +8,6 @@
 #define DAEMON_PASSES_IMPL_H
 
 #include "desk/desk.h"
-#include "filling/dearest.h"
 #include "passes/passplan.h"
 
 enum { HOLDERS = 2 }; /* workers that may have a tile at the same time */
@@ -21,7 +20,6 @@ struct tile {
     uint8_t crashes;       /* children that died while they had the tile */
     uint32_t crasher;      /* index of the first such child's worker */
     uint64_t out_ms;       /* when the tile last went out */
-    uint32_t place;        /* the tile's place in sheet.order */
     uint32_t before, then; /* previous and next tile in the list of tiles that
                             * workers have, by when they went out */
     uint8_t *records;      /* in a check pass sums instead (machine/sums.h) */
@@ -32,9 +30,8 @@ struct tile {
 struct sheet {
     struct tile *tile; /* NULL: the sheet is free */
     uint32_t ntiles;
-    uint32_t *order;         /* tiles in the order in which they go out */
-    uint32_t next;           /* place in order before which each tile is made or
-                              * out at a worker */
+    uint32_t next;           /* each tile before this one is made or out at a
+                              * worker */
     uint32_t oldest, newest; /* ends of the list of tiles that workers have,
                               * including tiles that another worker made */
     uint32_t left;           /* tiles that are not made */
@@ -72,8 +69,7 @@ struct passes {
     uint32_t done;          /* frames from the first on whose rows are all
                              * here; counted while passes are open */
     size_t bytes;           /* of the stage's records so far */
-    struct rad_pass_size *size; /* of the frames */
-    struct dearest *dearest;
+    struct rad_pass_size *size;          /* of the frames */
     struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, see passes_sheet */
     double took_ms, took_ms2; /* sums over all tiles that were made: of the time
                                * from when a tile went out until it was made,

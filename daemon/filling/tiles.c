@@ -37,7 +37,6 @@ tiles_close(struct passes *s, uint32_t pass)
     for (uint32_t i = 0; k->tile && i < k->ntiles; i++)
         free(k->tile[i].records);
     free(k->tile);
-    free(k->order);
     *k = (struct sheet){ .oldest = NO_TILE, .newest = NO_TILE };
 }
 
@@ -56,13 +55,7 @@ tiles_open(struct passes *s, uint32_t pass)
 
     k->ntiles = k->left = k->waiting = s->plan[pass].tiles;
     k->tile = calloc(k->ntiles + 1, sizeof *k->tile);
-    k->order = calloc(k->ntiles + 1, sizeof *k->order);
-    if (!k->tile || !k->order ||
-        !dearest_order(s->dearest, &s->plan[pass], k->order))
-        return false;
-    for (uint32_t i = 0; i < k->ntiles; i++)
-        k->tile[k->order[i]].place = i;
-    return true;
+    return k->tile != NULL;
 }
 
 /* --- tiles go out --- */
@@ -126,10 +119,10 @@ static struct tile *
 choose_new(const struct coord *c, const struct job *job, struct sheet *s,
            uint32_t index)
 {
-    while (s->next < s->ntiles && is_gone(&s->tile[s->order[s->next]]))
+    while (s->next < s->ntiles && is_gone(&s->tile[s->next]))
         s->next++;
     for (uint32_t i = s->next; i < s->ntiles && s->waiting > 0; i++) {
-        struct tile *t = &s->tile[s->order[i]];
+        struct tile *t = &s->tile[i];
 
         if (t->nholders == 0 && may_have(c, job, t, index))
             return t;
@@ -303,8 +296,8 @@ tiles_take(struct sheet *s, struct tile *t, uint32_t index)
     if (t->made)
         return true;
     s->waiting++;
-    if (t->place < s->next)
-        s->next = t->place;
+    if ((uint32_t)(t - s->tile) < s->next)
+        s->next = (uint32_t)(t - s->tile);
     return true;
 }
 

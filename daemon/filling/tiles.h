@@ -1,8 +1,8 @@
 /* tiles.h - which worker makes which tile of the open passes
  *
- * Tiles of an earlier pass go out before tiles of a later pass, the dearest of
- * a pass first (dearest.h).  A worker has a tile for each thread, and further
- * tiles as long as many wait.  When no tile waits, a tile that is out for long
+ * Tiles of an earlier pass go out before tiles of a later pass, those of a pass
+ * by their numbers.  A worker has a tile for each thread, and further tiles as
+ * long as many wait.  When no tile waits, a tile that is out for long
  * goes to a second worker, too: its records do not depend on the worker.  Tiles
  * that a lost worker had go out again.  Thread: the coordinator's loop. */
 #ifndef DAEMON_TILES_H
