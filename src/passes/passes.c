@@ -497,15 +497,14 @@ rad_passes_walk(const struct rad_passes *p, struct rad_ctx *ctx,
     return !is_set(stop);
 }
 
-/* Ask for a record at the point that a pixel shows; returns the object that it
- * shows, or RAD_VOID. */
-static int32_t
+/* Ask for a record at the point that a pixel shows. */
+static void
 ask_at_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y)
 {
     struct rad_ray r;
 
     atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
-    return rad_frame_look(f, ctx, x, y, &r) ? r.hit.obj : RAD_VOID;
+    rad_frame_look(f, ctx, x, y, &r);
 }
 
 /* A square of pixels at which a tile asks for records. */
@@ -515,19 +514,17 @@ struct patch {
     const struct limit *until;
     int x0, y0, x1, y1; /* x1 and y1 beyond the last */
     int step;           /* of the lattice */
-    bool objects; /* ask, too, between pixels that show different objects */
 };
 
 /* A pixel of a tile of the finest lattice. */
 struct spot {
     bool asked;
-    uint8_t made;  /* if asking here made a record: the distance of the pixels
-                    * that were asked at then; else 0 */
-    int32_t shows; /* the object that the pixel shows */
+    uint8_t made; /* if asking here made a record: the distance of the pixels
+                   * that were asked at then; else 0 */
 };
 
 struct spots {
-    bool differ; /* pixels show different objects, or a record was made */
+    bool made;                                        /* a record was made */
     struct spot at[RAD_PASS_PIXELS][RAD_PASS_PIXELS]; /* by row */
 };
 
@@ -540,50 +537,43 @@ ask_at_spot(const struct patch *p, struct spots *s, int i, int k, int distance)
     uint32_t made = p->ctx->tile->made;
 
     at->asked = true;
-    at->shows = ask_at_pixel(p->frame, p->ctx, p->x0 + i, p->y0 + k);
+    ask_at_pixel(p->frame, p->ctx, p->x0 + i, p->y0 + k);
     at->made = p->ctx->tile->made > made ? (uint8_t)distance : 0;
-    s->differ |= at->made || at->shows != s->at[0][0].shows;
+    s->made |= at->made > 0;
 }
 
-/* Pixel (i, k) of the patch, if it was asked at; else NULL.  If objects do not
- * matter, a pixel beyond the patch counts as asked at, with no record made. */
+/* Pixel (i, k) of the patch, if it was asked at; else NULL.  A pixel beyond the
+ * patch counts as asked at, with no record made. */
 static const struct spot *
 asked_at(const struct patch *p, const struct spots *s, int i, int k)
 {
-    static const struct spot beyond = { .shows = RAD_VOID };
+    static const struct spot beyond = { .made = 0 };
 
     if (i < 0 || k < 0 || p->x0 + i >= p->x1 || p->y0 + k >= p->y1)
-        return p->objects ? NULL : &beyond;
+        return &beyond;
     return s->at[k][i].asked ? &s->at[k][i] : NULL;
 }
 
 /* Is a pixel half way between a and b wanted?  Yes, if one of them made a
- * record when it was asked at, or if they show different objects and these
- * matter. */
+ * record when it was asked at. */
 static bool
-is_between(const struct patch *p, const struct spot *a, const struct spot *b,
-           int distance)
+is_between(const struct spot *a, const struct spot *b, int distance)
 {
-    return a && b &&
-           (a->made == 2 * distance || b->made == 2 * distance ||
-            (p->objects && a->shows != b->shows));
+    return a && b && (a->made == 2 * distance || b->made == 2 * distance);
 }
 
 /* Is pixel (i, k), half way between pixels at distance d, wanted? */
 static bool
 is_wanted(const struct patch *p, const struct spots *s, int i, int k, int d)
 {
-    return is_between(p, asked_at(p, s, i - d, k), asked_at(p, s, i + d, k),
-                      d) ||
-           is_between(p, asked_at(p, s, i, k - d), asked_at(p, s, i, k + d),
-                      d) ||
-           is_between(p, asked_at(p, s, i - d, k - d),
+    return is_between(asked_at(p, s, i - d, k), asked_at(p, s, i + d, k), d) ||
+           is_between(asked_at(p, s, i, k - d), asked_at(p, s, i, k + d), d) ||
+           is_between(asked_at(p, s, i - d, k - d),
                       asked_at(p, s, i + d, k + d), d);
 }
 
-/* Ask half way between pixels that were asked at, if they show different
- * objects (an object ends there, or a small object lies between), or made
- * records; then again at half the distance, and so on. */
+/* Ask half way between pixels that made records when they were asked at; then
+ * again at half the distance, and so on. */
 static void
 ask_between(const struct patch *p, struct spots *s)
 {
@@ -600,12 +590,12 @@ ask_at_finest(const struct patch *p)
 {
     struct spots s;
 
-    s.differ = false;
+    s.made = false;
     memset(s.at, 0, (size_t)(p->y1 - p->y0) * sizeof s.at[0]);
     for (int k = 0; p->y0 + k < p->y1; k += p->step)
         for (int i = 0; p->x0 + i < p->x1 && !is_over(p->until); i += p->step)
             ask_at_spot(p, &s, i, k, p->step);
-    if (s.differ)
+    if (s.made)
         ask_between(p, &s);
 }
 
@@ -641,8 +631,7 @@ find_patch(const struct rad_passes *p, struct rad_ctx *ctx,
                                    .y0 = a.y0,
                                    .x1 = a.x1,
                                    .y1 = a.y1,
-                                   .step = pass->step,
-                                   .objects = !pass->scattered };
+                                   .step = pass->step };
             return;
         }
         number -= n;

@@ -66,7 +66,7 @@ struct rad_pass {
     int field;   /* level 0: tiles are the fields of a chess board, and the pass
                   * has those of this colour, 0 or 1; less than 0: all */
     bool finest; /* level 0: the last lattice; its tiles ask, too, between
-                  * its pixels where objects end or records were made */
+                  * its pixels where records were made */
     bool scattered; /* level 0: looks again where the last lattice left places
                      * out; a tile has several squares, far from each other */
     uint32_t squares, leap; /* scattered: number of squares of all its frames,
