@@ -36,9 +36,9 @@
  * than records predict, and rightly. */
 #define AS_GOOD 64.
 
-/* The square of the cache's error over the square that fresh samples show:
- * fresh samples are made of deeper records, whose error they have in common
- * with the cache. */
+/* The square of the cache's error over the square that fresh samples show,
+ * above -ab 1: fresh samples are made of deeper records, whose error they have
+ * in common with the cache. */
 #define DEEPER 1.4
 
 /* The square of pixels' error over the square that is found: differences
@@ -266,6 +266,12 @@ choose(struct look *k, const struct tried *t, double *weight)
     return i;
 }
 
+static double
+deeper(const struct look *k)
+{
+    return k->exact.params.ambounce > 1 ? DEEPER : 1;
+}
+
 /* The square of the cache's relative error about a pixel, as the product of two
  * differences: at the pixel in the first frame, and at another pixel of its
  * area in the second frame.  So errors that average out in an area do not
@@ -292,13 +298,14 @@ square_at(struct look *k, const int pixel_at[2], double cached, double weight)
         mean += (fresh + cached) / (2 * NFRAMES);
     }
     if (k->off && !is_stopped(k)) {
-        double off = weight * (d[FIRST] + d[SECOND]) / 2;
+        double off = sqrt(deeper(k)) * weight * (d[FIRST] + d[SECOND]) / 2;
 
         k->off->light += weight * mean;
         k->off->off += off;
         k->off->square += off * off;
     }
-    return mean > 0 ? bound(d[FIRST] * d[SECOND] / (mean * mean)) : 0;
+    return mean > 0 ? deeper(k) * bound(d[FIRST] * d[SECOND] / (mean * mean))
+                    : 0;
 }
 
 /* Does the cache tell what comes by more bounces than it has? */
@@ -670,7 +677,7 @@ ambient_square(const double *v)
     if (!(n >= 1))
         return 0;
     fresh = n / (n + AS_GOOD);
-    return fresh * DEEPER * rad_doubt_sound(v[RAD_DOUBT_AMBIENT] / n) +
+    return fresh * rad_doubt_sound(v[RAD_DOUBT_AMBIENT] / n) +
            (1 - fresh) * rad_doubt_sound(v[RAD_DOUBT_SAID] / n);
 }
 
@@ -724,7 +731,6 @@ rad_doubt_of_mean(const struct rad_doubt_off *o, double n)
         return 0;
     chance = rad_doubt_sound(o->square / (o->light * o->light) - square / n) *
              n / (n - 1);
-    return fmin(
-        sqrt(DEEPER * rad_doubt_sound(fmax(square - chance, .25 * chance))),
-        RAD_DOUBT_MOST);
+    return fmin(sqrt(rad_doubt_sound(fmax(square - chance, .25 * chance))),
+                RAD_DOUBT_MOST);
 }

@@ -31,7 +31,8 @@
  * chosen more often, and each counts less for that. */
 enum rad_doubt_sum {
     RAD_DOUBT_PLACES,  /* number of places */
-    RAD_DOUBT_AMBIENT, /* products of the cache's relative errors at places */
+    RAD_DOUBT_AMBIENT, /* products of the cache's relative errors at places, and
+                        * what deeper records add */
     RAD_DOUBT_SAID,    /* squares of these errors, as records predict them for
                         * areas: errors of records average out in an area in
                         * which many records serve */
@@ -96,8 +97,9 @@ struct rad_doubt_share rad_doubt_of_picture(const struct rad_frame *f);
 /* The error that places have in common: sums over places, signed so that noise
  * cancels.  The sums of several threads add up. */
 struct rad_doubt_off {
-    double light, off, square; /* luminance, fresh less cached luminance, and
-                                * squares of this difference */
+    double light, off, square; /* luminance, fresh less cached luminance with
+                                * what deeper records add, and squares of this
+                                * difference */
 };
 
 /* Look at one place: choose a pixel of at[] (columns and rows in the picture)

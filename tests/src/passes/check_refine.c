@@ -265,9 +265,8 @@ ask_of(double error, double ambient, double pixel, double noise)
     double *v = ask.sums.doubt.v;
 
     v[RAD_DOUBT_PLACES] = v[RAD_DOUBT_AREAS] = 100;
-    /* DEEPER and PIXELS of picture/doubt.c */
-    v[RAD_DOUBT_AMBIENT] = 100 * ambient * ambient / 1.4;
-    v[RAD_DOUBT_SAID] = 100 * ambient * ambient;
+    v[RAD_DOUBT_AMBIENT] = v[RAD_DOUBT_SAID] = 100 * ambient * ambient;
+    /* PIXELS of picture/doubt.c */
     v[RAD_DOUBT_PIXEL] = 100 * pixel * pixel / 1.3;
     v[RAD_DOUBT_NOISE] = 100 * noise * noise / 1.3;
     ask.sums.shown = 1000;
@@ -826,8 +825,7 @@ TEST(mean_keeps_what_places_err_by_in_common)
     double all;
 
     s.doubt.v[RAD_DOUBT_PLACES] = 100;
-    s.doubt.v[RAD_DOUBT_AMBIENT] = 100 * .02 * .02;
-    s.doubt.v[RAD_DOUBT_SAID] = 1.4 * s.doubt.v[RAD_DOUBT_AMBIENT]; /* DEEPER */
+    s.doubt.v[RAD_DOUBT_AMBIENT] = s.doubt.v[RAD_DOUBT_SAID] = 100 * .02 * .02;
     s.off.light = 200;
     s.off.off = 100 * .04; /* each by 2 % */
     s.off.square = 100 * .04 * .04;

@@ -283,6 +283,27 @@ TEST(noise_of_hemispheres_shows)
     }
 }
 
+/* A floor under a sky gets no light by deep records; its error is the same with
+ * -ab 2, but what deep records may have in common is added there. */
+TEST(deep_records_count_where_there_may_be_some)
+{
+    double square[2];
+
+    for (int i = 0; i < 2; i++) {
+        make_of("void glow g 0 0 4 1 1 1 0\n"
+                "g source sky 0 0 4 1 0 1 90\n"
+                "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
+                "grey ring floor 0 0 8 0 0 0 0 0 1 0 50\n",
+                "-vp 0 0 4 -vd 0 0 -1 -vu 0 1 0 -vh 80 -vv 80",
+                i == 0 ? "-x 30 -y 30 -aa .3 -ad 16 -as 0 -ab 1"
+                       : "-x 30 -y 30 -aa .3 -ad 16 -as 0 -ab 2");
+        square[i] =
+            look(3, (struct rad_doubt_share){ 0, .3 }).v[RAD_DOUBT_AMBIENT];
+    }
+    ck_assert_double_ne(square[0], 0);
+    ck_assert_double_eq_tol(square[1] / square[0], 1.4, 1e-9); /* DEEPER */
+}
+
 /* Where each pixel has a record of its own, areas average their noise out. */
 TEST(noise_of_small_zones_averages_out_in_areas)
 {
@@ -351,7 +372,7 @@ TEST(fresh_samples_count_by_their_number)
 
         said.v[RAD_DOUBT_PLACES] = fresh.v[RAD_DOUBT_PLACES] = n;
         said.v[RAD_DOUBT_SAID] = n * .01;
-        fresh.v[RAD_DOUBT_AMBIENT] = n * .01 / 1.4; /* DEEPER */
+        fresh.v[RAD_DOUBT_AMBIENT] = n * .01;
         ck_assert_double_eq_tol(rad_doubt_squares(&said).ambient,
                                 (1 - share) * .01, 1e-12);
         ck_assert_double_eq_tol(rad_doubt_squares(&fresh).ambient, share * .01,
@@ -369,7 +390,7 @@ TEST(parts_add_by_their_squares)
     d.v[RAD_DOUBT_PIXEL] = 1 / 1.3; /* PIXELS */
     ck_assert_double_eq_tol(rad_doubt_error(&d).all, .1, 1e-12);
     d.v[RAD_DOUBT_PLACES] = 10;
-    d.v[RAD_DOUBT_AMBIENT] = .1 / 1.4; /* DEEPER */
+    d.v[RAD_DOUBT_AMBIENT] = .1;
     d.v[RAD_DOUBT_SAID] = .1;
     e = rad_doubt_error(&d);
     ck_assert_double_eq_tol(e.ambient, .1, 1e-12);
