@@ -170,6 +170,26 @@ without_room(const struct job *job)
     return NULL;
 }
 
+/* Is no worker at the job, and are all that take units excluded from it? */
+static bool
+all_excluded(const struct coord *c, const struct job *job)
+{
+    bool any = false;
+
+    if (job_active(job) > 0)
+        return false;
+    for (const struct coord_worker *w = c->workers; w; w = w->next) {
+        uint32_t i = desk_index(job, w);
+
+        if (!desk_takes_units(w))
+            continue;
+        if (i == JOB_NOBODY || job->parts[i].state != PART_EXCLUDED)
+            return false;
+        any = true;
+    }
+    return any;
+}
+
 /* Say how many workers may not work now, of those that will by themselves. */
 static void
 say_away(char buf[MSG_MAX_TEXT + 1], const unsigned n[MSG_NDRAIN],
@@ -259,6 +279,8 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
                        full->no_room);
         return buf;
     }
+    if (!first && all_excluded(c, job))
+        return "no worker that is here can keep a process for it";
     if (!first)
         return !job->text[0] && waits_its_turn(c, job)
                    ? "the workers are at other jobs, which go first"

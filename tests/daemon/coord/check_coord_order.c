@@ -467,8 +467,12 @@ TEST(other_reasons_are_not_taken_for_the_arithmetic)
         ready(SECOND, job_a);
         say(SECOND, &lost);
     }
+    ck_assert_str_eq(text_of_job(), "");
     coord_closed(f.c, f.now_ms, WORKER, "cut");
     carry_out();
+    ck_assert_str_eq(text_of_job(),
+                     "no worker that is here can keep a process for it");
+    join(WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
     ck_assert_str_eq(text_of_job(), "");
 }
 
