@@ -39,7 +39,7 @@ void pointfile_init(struct pointfile *f, const char *name, char format,
 int pointfile_more(struct pointfile *f, const void *bytes, size_t n, bool last,
                    size_t *used, struct rad_error *err);
 
-/* Move the first n points to *to.  RAD_ENOMEM. */
+/* Move the first n points to *to, which takes no others.  RAD_ENOMEM. */
 int pointfile_take(struct pointfile *from, uint32_t n, struct pointfile *to,
                    struct rad_error *err);
 
