@@ -21,7 +21,7 @@
 #include <unistd.h>
 
 #define APPLICATION 0x72616464 /* "radd" */
-#define SCHEMA      7          /* version of the tables and what they hold */
+#define SCHEMA      8          /* version of the tables and what they hold */
 #define WAL_PAGES   1000       /* pages in the log before it is carried over */
 
 /* --- errors --- */

@@ -42,6 +42,11 @@
  * of the same scene. */
 #define LATER_STEP 16
 
+/* A batch also looks at frames of the next batch that are at least so many
+ * frames apart.  Their records would else change, from one picture to the next,
+ * what records give that serve both batches. */
+#define AHEAD 4
+
 /* If more frames than this are looked at together, their last lattice has twice
  * the step: other frames have asked for small things. */
 #define FEW 4
@@ -71,9 +76,9 @@
  * records. */
 #define REST_FIRST 4
 
-/* Frames frame .. beyond - 1. */
+/* Frames frame .. beyond - 1; those of the next batch end before `next`. */
 struct batch {
-    uint32_t frame, beyond;
+    uint32_t frame, beyond, next;
 };
 
 static int
@@ -374,23 +379,41 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
     return n + plan_lattice(&rest, size, pass + n);
 }
 
-/* Plan the lattices of a batch: of the job's first frame, then of frames at odd
- * multiples of ever smaller distances from it, or from the last frame of the
- * batch before.  Returns the number of passes. */
+/* Plan the lattices of frames at odd multiples of ever smaller distances from
+ * the job's first frame, or from the last frame of the batch before: distances
+ * from AHEAD on, or shorter ones.  Returns the number of passes. */
+static uint32_t
+plan_between(const struct rad_params *par, const struct rad_pass_size *size,
+             uint32_t frame, uint32_t beyond, bool far, struct rad_pass *pass)
+{
+    uint32_t from = frame > 0 ? frame - 1 : 0, apart = 1, n = 0;
+
+    while (apart < beyond - from)
+        apart *= 2;
+    while ((apart /= 2) > 0)
+        if ((apart >= AHEAD) == far)
+            n += plan_frames(par, size, from + apart, 2 * apart, beyond,
+                             pass + n);
+    return n;
+}
+
+/* Plan the lattices of a batch: of the job's first frame, then of frames far
+ * apart, which earlier batches have looked at already but in the first batch,
+ * of the next batch's frames far apart, and of frames between.  Returns the
+ * number of passes. */
 static uint32_t
 plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
             const struct batch *b, struct rad_pass *pass)
 {
-    uint32_t from = b->frame > 0 ? b->frame - 1 : 0, apart = 1, n = 0;
+    uint32_t n = 0;
 
-    if (b->frame == 0)
+    if (b->frame == 0) {
         n = plan_frames(par, size, 0, 1, 1, pass);
-    while (apart < b->beyond - from)
-        apart *= 2;
-    while ((apart /= 2) > 0)
-        n += plan_frames(par, size, from + apart, 2 * apart, b->beyond,
-                         pass + n);
-    return n;
+        n += plan_between(par, size, 0, b->beyond, true, pass + n);
+    }
+    if (b->next > b->beyond)
+        n += plan_between(par, size, b->beyond, b->next, true, pass + n);
+    return n + plan_between(par, size, b->frame, b->beyond, false, pass + n);
 }
 
 static uint32_t
@@ -563,12 +586,19 @@ reads(const struct rad_pass *pass, uint32_t i)
     return n;
 }
 
+/* The end of the frames of the first i batches. */
+static uint32_t
+frames_end(uint32_t nframes, uint32_t i, uint32_t batches)
+{
+    return (uint32_t)((uint64_t)nframes * i / batches);
+}
+
 uint32_t
 rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
                 uint32_t nsizes, struct rad_pass pass[RAD_MOST_PASSES])
 {
     uint32_t batches = (nsizes - 1) / RAD_PASS_BATCH + 1, n = 0;
-    struct batch b = { 0, 0 };
+    struct batch b = { 0 };
     int round = 0;
 
     if (par->ambounce < 1 || !(par->ambacc > 0) || par->ambdiv < 1)
@@ -576,7 +606,8 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
     if (batches > RAD_PASS_BATCHES)
         batches = RAD_PASS_BATCHES;
     for (uint32_t i = 1; i <= batches; i++, b.frame = b.beyond) {
-        b.beyond = (uint32_t)((uint64_t)nsizes * i / batches);
+        b.beyond = frames_end(nsizes, i, batches);
+        b.next = i < batches ? frames_end(nsizes, i + 1, batches) : nsizes;
         n += plan_batch(par, size, &b, pass + n);
     }
     for (uint32_t i = 0; i < n; i++) {

@@ -6,7 +6,10 @@
  * The frames of an animation come in batches.  Each batch has all these passes,
  * which add to the cache of the batches before.  The pictures of a batch are
  * made when its own passes are closed, before passes of the next batch change
- * the cache.  The frames of a batch show much the same: the job's first frame
+ * the cache.  So that these change little of what is in sight, and light does
+ * not jump from one batch's last picture to the next one's first, a batch looks
+ * at every fourth frame or so of the next, too, which then looks only between
+ * them.  The frames of a batch show much the same: the job's first frame
  * has all its lattices first, then the frame in the middle between it and the
  * batch's end, then the frames half way between these, and so on.
  * Random paths do not depend on the cache: they are walked once, in a first

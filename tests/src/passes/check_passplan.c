@@ -200,6 +200,40 @@ LOOP_TEST(each_frame_is_planned_once, 41)
         ck_assert_uint_eq(times[i], 17);
 }
 
+static const uint32_t walks[] = { 32, 33, 40, 100, 1000, 3000 };
+
+/* When the pictures of a batch are made, every fourth frame of the next batch
+ * has been looked at, all frames before it, and none behind it. */
+LOOP_TEST(a_batch_looks_at_frames_of_the_next, N_ELEM(walks))
+{
+    static struct rad_pass_size size[3000];
+    static bool seen[3000];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t nframes = walks[_i], n, ready = 0, next = 0;
+    struct rad_params par;
+
+    ck_assert_int_eq(jobtext_params("-ab 2", &par, NULL), 0);
+    memset(seen, 0, sizeof seen);
+    for (uint32_t i = 0; i < nframes; i++)
+        size[i] = (struct rad_pass_size){ 100, 75 };
+    n = rad_passes_plan(&par, size, nframes, pass);
+    for (uint32_t k = 0; k < n; k++) {
+        for (uint32_t i = pass[k].frame; pass[k].finest && i < pass[k].beyond;
+             i += pass[k].stride)
+            seen[i] = true;
+        if (!rad_pass_is_last(pass, n, k))
+            continue;
+        ready = pass[k].ready;
+        for (next = k + 1; next < n && pass[next].ready <= ready;)
+            next++;
+        next = next < n ? pass[next].ready : ready;
+        for (uint32_t i = 0; i < nframes; i++)
+            ck_assert(seen[i] ==
+                      (i < ready || (i < next && (i + 1 - ready) % 4 == 0)));
+    }
+    ck_assert_uint_eq(ready, nframes);
+}
+
 /* What many frames' tiles left out is shared among as many more tiles. */
 TEST(the_rest_of_many_frames_has_more_tiles)
 {
