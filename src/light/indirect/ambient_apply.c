@@ -133,9 +133,11 @@ is_estimates(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 static int
 least_side(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
-    if (at->level == 0)
-        return is_estimates(ctx, at) ? SIDE_ALONE : SIDE_SHOWN;
-    return is_alone(ctx, at) ? SIDE_ALONE : SIDE_DEEP;
+    if (at->level > 0)
+        return is_alone(ctx, at) ? SIDE_ALONE : SIDE_DEEP;
+    if (is_estimates(ctx, at)) /* cells by the weight, too */
+        return (int)rad_most(SIDE_SHOWN * sqrt(at->weight) + .5, SIDE_ALONE);
+    return SIDE_SHOWN;
 }
 
 /* Sample the hemisphere at a place, and keep the result as a record if it is

@@ -257,6 +257,31 @@ TEST(light_of_gloss_that_is_left_out_takes_few_rays)
     ck_assert_uint_lt(rays, 70 * pixels);
 }
 
+/* Where the picture's own rays lead, the noise that is looked for is that of
+ * the picture: a place that no record serves has as many rays as in it. */
+TEST(a_pixel_that_no_record_serves_takes_as_many_rays_as_in_the_picture)
+{
+    struct rad_counts before;
+    double usual;
+
+    picture_close(&pic);
+    world_open(&pic.w, scene_text,
+               PURE "-x 30 -y 30 -ab 1 -aa .3 -ad 16 -as 0");
+    rad_ambient_freeze(pic.w.job->ambient);
+    world_frame(&pic.w, "-vp 0 0 1 -vd 0 0 1 -vu 0 1 0 -vh 80 -vv 80", false,
+                &pic.frame);
+    picture_render(&pic);
+    before = pic.w.ctx.counts;
+    usual = (double)before.ambient_rays / (double)before.primary_rays;
+    look(5, (struct rad_doubt_share){ .1, 0 });
+
+    uint64_t pixels = pic.w.ctx.counts.primary_rays - before.primary_rays;
+    uint64_t rays = pic.w.ctx.counts.ambient_rays - before.ambient_rays;
+
+    ck_assert_uint_gt(pixels, 100);
+    ck_assert_double_eq((double)rays, usual * (double)pixels);
+}
+
 TEST(noise_of_hemispheres_shows)
 {
     const struct rad_doubt_share share = { .002, .02 };
