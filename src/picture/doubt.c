@@ -145,12 +145,20 @@ pixel(struct look *k, int frame, int x, int y)
     return rad_rgb_lum(p.L);
 }
 
-/* Render the pixel in column x, row y of the rows again; returns its luminance.
- */
+/* Render the pixel in column x, row y of the rows again, and paint it as the
+ * picture is painted: a ray hardly ever meets a source that is smaller than a
+ * pixel.  Returns the pixel's luminance. */
 static double
 again(struct look *k, int frame, int x, int y)
 {
-    return pixel(k, frame, k->rows->x + x, k->rows->y + y);
+    const struct rad_frame *f = &k->frame[frame];
+    struct rad_pixel p;
+
+    x += k->rows->x;
+    y += k->rows->y;
+    rad_frame_pixel(f, k->ctx, x, y, &p);
+    rad_frame_paint_row(f, k->ctx, x, x + 1, y, &p);
+    return rad_rgb_lum(p.L);
 }
 
 /* The luminance that the picture has in column x, row y of the rows. */

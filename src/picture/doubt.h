@@ -1,8 +1,8 @@
 /* doubt.h - the error of a picture, estimated from pixels rendered again
  *
- * A few pixels are rendered twice more, each time with other random numbers and
- * with the light that -st, -dt and -dj leave out, and compared with the
- * picture:
+ * A few pixels are rendered again, once or twice, each time with other random
+ * numbers and with the light that -st, -dt and -dj leave out, and compared with
+ * the picture:
  *   areas     of some 25 pixels, traced or interpolated, since the eye averages
  *             over so many.  They show noise of lamps and gloss, gloss below
  *             -st, penumbras of lamps whose parts -dj samples at their middles,
