@@ -512,7 +512,7 @@ compare_prepared(const struct task *t, const struct rad_picture *a,
                  const struct rad_picture *b, struct rad_error *err)
 {
     struct rad_image image = { 0 };
-    struct rad_metric m;
+    struct rad_metric m = { 0 };
     int rc = rad_metric_compare(a, b, &m, err);
 
     if (rc == 0 && t->map && (rc = rad_difference_map(a, b, &image, err)) == 0)

@@ -65,7 +65,7 @@ submit_ask_workers(struct submit *s, struct roll *r)
     struct msg_page all = { .what = MSG_ROWS_WORKERS, .user = "", .state = "" };
     struct msg m = { .type = MSG_PAGE, .page = all };
     const struct msg_answer *answer;
-    uint64_t next;
+    uint64_t next = 0;
     int rc;
 
     *r = (struct roll){ 0 };

@@ -118,7 +118,7 @@ statedir_fate(struct journal *j, const struct folder *f,
               const uint8_t job[MSG_JOB], bool going, enum statedir_fate *fate,
               struct rad_error *err)
 {
-    bool has, gone;
+    bool has = false, gone = false;
     int rc = journal_has(j, job, &has, err);
 
     if (rc == 0)

@@ -741,7 +741,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
     const struct rad_pass *pass = o->pass;
     struct limit until = limit_of(pass, ctx, o->stop);
     struct rad_ambtile own;
-    struct patch patch;
+    struct patch patch = { .frame = NULL }; /* of a lattice: the last square */
     bool whole;
 
     if (o->colours)

@@ -155,7 +155,7 @@ static void
 take_sample(struct rad_eye *e, int i, int j)
 {
     size_t at = (size_t)j * (size_t)e->nx + (size_t)i;
-    double org[3], dir[3], mean[3];
+    double org[3], dir[3] = { 0 }, mean[3];
     bool seen = rad_view_ray(&e->view, (i + .5) / e->nx, 1 - (j + .5) / e->ny,
                              org, dir) >= 0;
     bool known = average(e, i, j, mean);

@@ -469,7 +469,7 @@ keep_own(const struct rad_smooth_place *at, double cut,
 static void
 make_value(struct search *k, struct rad_smooth_value *v)
 {
-    struct rad_quadric q;
+    struct rad_quadric q = { .noise = 0 }; /* no fit */
     double lum = luminance(k->of.E);
 
     keep_own(&k->of, 1, v);
