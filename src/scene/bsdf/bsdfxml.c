@@ -10,6 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Expat 2.9 warns of the older name. */
+#if XML_MAJOR_VERSION == 2 && XML_MINOR_VERSION < 9
+#define XML_GetCurrentLineNumber64 XML_GetCurrentLineNumber
+#endif
+
 #define MAX_DEPTH 64
 #define MAX_BYTES (1 << 30)
 
@@ -32,7 +37,7 @@ fail(struct reader *in, int code, const char *what)
 {
     if (!in->failed)
         rad_fail(in->err, code, "line %lu: %s",
-                 (unsigned long)XML_GetCurrentLineNumber(in->xml), what);
+                 (unsigned long)XML_GetCurrentLineNumber64(in->xml), what);
     in->failed = true;
     XML_StopParser(in->xml, XML_FALSE);
 }
@@ -148,7 +153,6 @@ rad_xml_parse(struct rad_arena *arena, const char *xml, size_t len,
         rad_fail_memory(err);
         return NULL;
     }
-    XML_SetHashSalt(in.xml, 1); /* or the system is asked for random numbers */
     XML_SetUserData(in.xml, &in);
     XML_SetElementHandler(in.xml, start_element, end_element);
     XML_SetCharacterDataHandler(in.xml, add_text);
