@@ -9,7 +9,7 @@
 static void
 loop(void)
 {
-    for (volatile int i = 0;; i++)
+    for (;;)
         ;
 }
 
