@@ -397,10 +397,10 @@ plan_between(const struct rad_params *par, const struct rad_pass_size *size,
     return n;
 }
 
-/* Plan the lattices of a batch: of the job's first frame, then of frames far
- * apart, which earlier batches have looked at already but in the first batch,
- * of the next batch's frames far apart, and of frames between.  Returns the
- * number of passes. */
+/* Plan the lattices of a batch: of the next batch's frames far apart, and of
+ * its own frames between those that the batch before has looked at.  The first
+ * batch begins with the job's first frame and its own frames far apart. Returns
+ * the number of passes. */
 static uint32_t
 plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
             const struct batch *b, struct rad_pass *pass)
