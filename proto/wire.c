@@ -32,7 +32,7 @@ wire_in_init(struct wire_in *in, const void *data, size_t n)
 {
     const uint8_t *p = data;
 
-    *in = (struct wire_in){ .p = p, .end = p + n };
+    *in = (struct wire_in){ .p = p, .end = n > 0 ? p + n : p };
 }
 
 const uint8_t *

@@ -29,8 +29,9 @@ struct wire_out {
     unsigned version; /* of the layout that is written; wire.c ignores it */
 };
 
-/* Begin to read n bytes, which are borrowed: strings and views that are read
- * point into them.  The version is none, 0, until the caller sets it. */
+/* Begin to read n bytes (0: data may be NULL), which are borrowed: strings and
+ * views that are read point into them.  The version is none, 0, until the
+ * caller sets it. */
 void wire_in_init(struct wire_in *in, const void *data, size_t n);
 static inline size_t
 wire_left(const struct wire_in *in)
