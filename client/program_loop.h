@@ -26,7 +26,7 @@ int program_loop_init(struct program_loop *l, struct rad_error *err);
 void program_loop_release(struct program_loop *l);
 
 /* Before and after a file is written (path NULL: standard output): signals end
- * the program meanwhile if writing may wait for a reader. */
+ * the program meanwhile if writing may wait for a reader.  Pairs do not nest. */
 void program_loop_free_signals(struct program_loop *l, const char *path);
 /* The same before a message of at most a line, if standard error has no room
  * for it now. */
