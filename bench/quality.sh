@@ -91,9 +91,9 @@ error_of() # OPTIONS...
         printf "%.2g", 100 * sqrt(e > 0 ? e : 0) }'
 }
 
-percent() # of standard input, the last number before a % sign
+percent() # of standard input, the number before the last line's first % sign
 {
-    sed -n 's/.*[^0-9.]\([0-9.]\{1,\}\) %.*/\1/p' | tail -n 1
+    sed -n 's/^[^%]*[^0-9.]\([0-9.]\{1,\}\) %.*/\1/p' | tail -n 1
 }
 
 measure() # SCENE QUALITY RUN
