@@ -129,8 +129,8 @@ bool desk_is_idle(const struct job *job, uint32_t index);
 /* Must the worker give units of the job back: the job is paused, the worker is
  * to leave, or a job of higher priority has units for it? */
 bool desk_gives_way(const struct job *job, uint32_t index);
-/* Is there a worker other than w that may do the job?  Workers that are late in
- * the job, or have no room for it yet, count only if `ever`. */
+/* Is there a worker other than w (NULL: any) that may do the job?  Workers that
+ * are late in the job, or have no room for it yet, count only if `ever`. */
 bool desk_others_may(const struct coord *c, const struct job *job,
                      const struct coord_worker *w, bool ever);
 /* The date: the time by a clock that runs on while the machine sleeps.  By it

@@ -176,18 +176,9 @@ all_excluded(const struct coord *c, const struct job *job)
 {
     bool any = false;
 
-    if (job_active(job) > 0)
-        return false;
-    for (const struct coord_worker *w = c->workers; w; w = w->next) {
-        uint32_t i = desk_index(job, w);
-
-        if (!desk_takes_units(w))
-            continue;
-        if (i == JOB_NOBODY || job->parts[i].state != PART_EXCLUDED)
-            return false;
-        any = true;
-    }
-    return any;
+    for (const struct coord_worker *w = c->workers; w; w = w->next)
+        any |= desk_takes_units(w);
+    return any && job_active(job) == 0 && !desk_others_may(c, job, NULL, true);
 }
 
 /* Say how many workers may not work now, of those that will by themselves. */
