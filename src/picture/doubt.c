@@ -145,22 +145,6 @@ pixel(struct look *k, int frame, int x, int y)
     return rad_rgb_lum(p.L);
 }
 
-/* Render the pixel in column x, row y of the rows again, and paint it as the
- * picture is painted: a ray hardly ever meets a source that is smaller than a
- * pixel.  Returns the pixel's luminance. */
-static double
-again(struct look *k, int frame, int x, int y)
-{
-    const struct rad_frame *f = &k->frame[frame];
-    struct rad_pixel p;
-
-    x += k->rows->x;
-    y += k->rows->y;
-    rad_frame_pixel(f, k->ctx, x, y, &p);
-    rad_frame_paint_row(f, k->ctx, x, x + 1, y, &p);
-    return rad_rgb_lum(p.L);
-}
-
 /* The luminance that the picture has in column x, row y of the rows. */
 static double
 shown(const struct look *k, int x, int y)
@@ -392,10 +376,19 @@ struct redone {
     double lum[MOST];      /* of each pixel, in the frame rendered last */
 };
 
+/* Render pixel i of the area again, and paint it as the picture is painted: a
+ * ray hardly ever meets a source that is smaller than a pixel.  Returns the
+ * pixel's luminance. */
 static double
 remake(struct look *k, const struct area *a, int frame, int i)
 {
-    return again(k, frame, a->x + i % a->width, i / a->width);
+    const struct rad_frame *f = &k->frame[frame];
+    int x = k->rows->x + a->x + i % a->width, y = k->rows->y + i / a->width;
+    struct rad_pixel p;
+
+    rad_frame_pixel(f, k->ctx, x, y, &p);
+    rad_frame_paint_row(f, k->ctx, x, x + 1, y, &p);
+    return rad_rgb_lum(p.L);
 }
 
 static double
