@@ -6,6 +6,7 @@
 #include "machine/jobtext.h"
 #include "tests/unit.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const char *const none[] = { "-ab 0", "-ab 2 -aa 0", "-ab 2 -ad 0" };
@@ -173,21 +174,36 @@ LOOP_TEST(a_plan_asks_for_each_place_once, N_ELEM(plans))
     ck_assert_int_eq(level, 0);
 }
 
+/* Plan the passes of so many frames of one size; returns their number. */
+static uint32_t
+plan_alike(const char *options, struct rad_pass_size each, uint32_t nframes,
+           struct rad_pass pass[RAD_MOST_PASSES])
+{
+    struct rad_pass_size *size = calloc(nframes, sizeof *size);
+    struct rad_params par;
+    uint32_t n;
+
+    ck_assert_ptr_nonnull(size);
+    ck_assert_int_eq(jobtext_params(options, &par, NULL), 0);
+    for (uint32_t i = 0; i < nframes; i++)
+        size[i] = each;
+    n = rad_passes_plan(&par, size, nframes, pass);
+    free(size);
+    return n;
+}
+
+static const struct rad_pass_size small = { 100, 75 };
+
 /* Of any number of frames each has its last lattice once. */
 LOOP_TEST(each_frame_is_planned_once, 41)
 {
     enum { FRAMES = 1000 };
-    static struct rad_pass_size size[FRAMES];
     static uint8_t times[FRAMES];
     struct rad_pass pass[RAD_MOST_PASSES];
-    uint32_t nframes = (uint32_t)_i < 40 ? (uint32_t)_i + 1 : FRAMES, n;
-    struct rad_params par;
+    uint32_t nframes = (uint32_t)_i < 40 ? (uint32_t)_i + 1 : FRAMES;
+    uint32_t n = plan_alike("-ab 12", small, nframes, pass);
 
-    ck_assert_int_eq(jobtext_params("-ab 12", &par, NULL), 0);
     memset(times, 0, sizeof times);
-    for (uint32_t i = 0; i < nframes; i++)
-        size[i] = (struct rad_pass_size){ 100, 75 };
-    n = rad_passes_plan(&par, size, nframes, pass);
     ck_assert_uint_le(n, RAD_MOST_PASSES);
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t i = pass[k].frame;
@@ -206,17 +222,12 @@ static const uint32_t walks[] = { 32, 33, 40, 100, 1000, 3000 };
  * has been looked at, all frames before it, and none behind it. */
 LOOP_TEST(a_batch_looks_at_frames_of_the_next, N_ELEM(walks))
 {
-    static struct rad_pass_size size[3000];
     static bool seen[3000];
     struct rad_pass pass[RAD_MOST_PASSES];
-    uint32_t nframes = walks[_i], n, ready = 0, next = 0;
-    struct rad_params par;
+    uint32_t nframes = walks[_i], ready = 0, next = 0;
+    uint32_t n = plan_alike("-ab 2", small, nframes, pass);
 
-    ck_assert_int_eq(jobtext_params("-ab 2", &par, NULL), 0);
     memset(seen, 0, sizeof seen);
-    for (uint32_t i = 0; i < nframes; i++)
-        size[i] = (struct rad_pass_size){ 100, 75 };
-    n = rad_passes_plan(&par, size, nframes, pass);
     for (uint32_t k = 0; k < n; k++) {
         for (uint32_t i = pass[k].frame; pass[k].finest && i < pass[k].beyond;
              i += pass[k].stride)
@@ -238,15 +249,11 @@ LOOP_TEST(a_batch_looks_at_frames_of_the_next, N_ELEM(walks))
 TEST(the_rest_of_many_frames_has_more_tiles)
 {
     enum { FRAMES = 32 };
-    struct rad_pass_size size[FRAMES];
+    const struct rad_pass_size large = { 1920, 1280 };
     struct rad_pass pass[RAD_MOST_PASSES];
-    uint32_t n, single = 0, most = 0;
-    struct rad_params par;
+    uint32_t n = plan_alike("-ab 1 -ps 4", large, FRAMES, pass);
+    uint32_t single = 0, most = 0;
 
-    ck_assert_int_eq(jobtext_params("-ab 1 -ps 4", &par, NULL), 0);
-    for (int i = 0; i < FRAMES; i++)
-        size[i] = (struct rad_pass_size){ 1920, 1280 };
-    n = rad_passes_plan(&par, size, FRAMES, pass);
     for (uint32_t i = 0; i < n; i++) {
         if (!pass[i].scattered)
             continue;

@@ -245,54 +245,56 @@ TEST(gloss_that_is_left_out_shows)
     ck_assert_double_eq(pic.w.ctx.job->params.specthresh, .1);
 }
 
+struct made_again {
+    uint64_t pixels, rays; /* of hemispheres */
+    double usual;          /* such rays for each pixel of the picture */
+};
+
+/* Make a picture of 30 by 30 pixels over a frozen cache without records, and
+ * some of its pixels again. */
+static struct made_again
+make_without_records(const char *options, const char *view)
+{
+    const struct rad_counts *now = &pic.w.ctx.counts;
+    struct made_again m;
+
+    picture_close(&pic);
+    world_open(&pic.w, scene_text, options);
+    rad_ambient_freeze(pic.w.job->ambient);
+    world_frame(&pic.w, view, false, &pic.frame);
+    picture_render(&pic);
+    m.pixels = now->primary_rays;
+    m.rays = now->ambient_rays;
+    m.usual = (double)m.rays / (double)m.pixels;
+    look(5, (struct rad_doubt_share){ .1, 0 });
+    m.pixels = now->primary_rays - m.pixels;
+    m.rays = now->ambient_rays - m.rays;
+    ck_assert_uint_gt(m.pixels, 100);
+    return m;
+}
+
 /* No record of a frozen cache serves where gloss below -st would lead, and each
  * pixel that is made again samples the light there: by its small part in the
  * pixel, not by as many rays as for the floor itself. */
 TEST(light_of_gloss_that_is_left_out_takes_few_rays)
 {
-    struct rad_counts before;
+    struct made_again m = make_without_records(
+        PURE "-x 30 -y 30 -ab 1 -aa .3 -ad 256 -as 0 -st .1",
+        "-vp 0 0 4 -vd 0 0 -1 -vu 0 1 0 -vh 80 -vv 80");
 
-    picture_close(&pic);
-    world_open(&pic.w, scene_text,
-               PURE "-x 30 -y 30 -ab 1 -aa .3 -ad 256 -as 0 -st .1");
-    rad_ambient_freeze(pic.w.job->ambient);
-    world_frame(&pic.w, "-vp 0 0 4 -vd 0 0 -1 -vu 0 1 0 -vh 80 -vv 80", false,
-                &pic.frame);
-    picture_render(&pic);
-    before = pic.w.ctx.counts;
-    look(5, (struct rad_doubt_share){ .1, 0 });
-
-    uint64_t pixels = pic.w.ctx.counts.primary_rays - before.primary_rays;
-    uint64_t rays = pic.w.ctx.counts.ambient_rays - before.ambient_rays;
-
-    ck_assert_uint_gt(pixels, 100);
-    ck_assert_uint_ge(rays, 64 * pixels); /* for the floor: -ad / 4 */
-    ck_assert_uint_lt(rays, 70 * pixels);
+    ck_assert_uint_ge(m.rays, 64 * m.pixels); /* for the floor: -ad / 4 */
+    ck_assert_uint_lt(m.rays, 70 * m.pixels);
 }
 
 /* Where the picture's own rays lead, the noise that is looked for is that of
  * the picture: a place that no record serves has as many rays as in it. */
 TEST(a_pixel_that_no_record_serves_takes_as_many_rays_as_in_the_picture)
 {
-    struct rad_counts before;
-    double usual;
+    struct made_again m =
+        make_without_records(PURE "-x 30 -y 30 -ab 1 -aa .3 -ad 16 -as 0",
+                             "-vp 0 0 1 -vd 0 0 1 -vu 0 1 0 -vh 80 -vv 80");
 
-    picture_close(&pic);
-    world_open(&pic.w, scene_text,
-               PURE "-x 30 -y 30 -ab 1 -aa .3 -ad 16 -as 0");
-    rad_ambient_freeze(pic.w.job->ambient);
-    world_frame(&pic.w, "-vp 0 0 1 -vd 0 0 1 -vu 0 1 0 -vh 80 -vv 80", false,
-                &pic.frame);
-    picture_render(&pic);
-    before = pic.w.ctx.counts;
-    usual = (double)before.ambient_rays / (double)before.primary_rays;
-    look(5, (struct rad_doubt_share){ .1, 0 });
-
-    uint64_t pixels = pic.w.ctx.counts.primary_rays - before.primary_rays;
-    uint64_t rays = pic.w.ctx.counts.ambient_rays - before.ambient_rays;
-
-    ck_assert_uint_gt(pixels, 100);
-    ck_assert_double_eq((double)rays, usual * (double)pixels);
+    ck_assert_double_eq((double)m.rays, m.usual * (double)m.pixels);
 }
 
 TEST(noise_of_hemispheres_shows)
