@@ -398,7 +398,7 @@ struct sum {
 static int
 sum_add(struct sum *sum, const struct rad_picture *pic, struct rad_error *err)
 {
-    size_t n = (size_t)pic->width * (size_t)pic->height;
+    size_t n = rad_picture_pixels(pic);
 
     if (!sum->rgb) {
         sum->rgb = calloc(n, 3 * sizeof *sum->rgb);

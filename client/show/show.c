@@ -197,7 +197,7 @@ show_picture(struct show *s, const struct rad_picture *pic,
 static size_t
 lit_pixels(const struct rad_picture *pic)
 {
-    size_t n = (size_t)pic->width * (size_t)pic->height, lit = 0;
+    size_t n = rad_picture_pixels(pic), lit = 0;
 
     for (size_t i = 0; i < n; i++)
         lit += !rad_rgb_black(pic->L[i]);
@@ -209,7 +209,7 @@ show_preview(const struct show *s, struct show_last *last,
              const struct rad_picture *pic, const struct rad_view *view,
              const struct rad_sink *sink, struct rad_error *err)
 {
-    size_t all = (size_t)pic->width * (size_t)pic->height;
+    size_t all = rad_picture_pixels(pic);
     size_t lit = lit_pixels(pic);
     struct rad_screen screen = s->screen;
 

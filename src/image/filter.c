@@ -195,6 +195,14 @@ column_of(const struct rad_filter *f, int x)
     return f->s.around && x >= 0 && x < f->s.width ? x : -1;
 }
 
+/* For edges: the least luminance of each column in the window; the largest ones
+ * are behind. */
+static float *
+least_of_columns(const struct rad_filter *f)
+{
+    return f->lum + (2 * (size_t)f->yrad + 1) * (size_t)f->s.width;
+}
+
 static float *
 luminances(const struct rad_filter *f, int y)
 {
@@ -350,8 +358,7 @@ void
 rad_filter_push(struct rad_filter *f, const uint8_t *rgbe)
 {
     int y = f->pushed++;
-    struct rad_rgb *row =
-        f->raw + (size_t)(f->s.clamp > 0 ? y % 3 : 0) * (size_t)f->s.width;
+    struct rad_rgb *row = raw_row(f, f->s.clamp > 0 ? y : 0);
     struct rad_rgb *to = f->raw + 3 * (size_t)f->s.width;
 
     for (int x = 0; x < f->s.width; x++)
@@ -419,8 +426,7 @@ static void
 fill_columns(struct rad_filter *f, int y0, int y1)
 {
     size_t width = (size_t)f->s.width;
-    float *least = f->lum + (2 * (size_t)f->yrad + 1) * width;
-    float *most = least + width;
+    float *least = least_of_columns(f), *most = least + width;
 
     memcpy(least, luminances(f, y0), width * sizeof *least);
     memcpy(most, least, width * sizeof *most);
@@ -438,9 +444,7 @@ static struct range
 range_of(const struct rad_filter *f, int column)
 {
     int x0 = column_middle(f, column) - f->xrad;
-    const float *least =
-        f->lum + (2 * (size_t)f->yrad + 1) * (size_t)f->s.width;
-    const float *most = least + f->s.width;
+    const float *least = least_of_columns(f), *most = least + f->s.width;
     struct range r = { INFINITY, 0 };
 
     for (int i = 0; i < taps(f); i++) {

@@ -84,6 +84,13 @@ struct rad_picture {
 };
 void rad_picture_release(struct rad_picture *pic);
 
+/* The number of its pixels. */
+static inline size_t
+rad_picture_pixels(const struct rad_picture *pic)
+{
+    return (size_t)pic->width * (size_t)pic->height;
+}
+
 /* Decode a picture.  Values are divided by EXPOSURE and COLORCORR; edges of
  * such pictures, and of other primaries, are left out.  More than max_pixels
  * are refused (RAD_EDATA); memory grows with the rows decoded, not with the

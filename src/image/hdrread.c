@@ -77,6 +77,7 @@ struct reader {
     bool xmajor;        /* scan lines are columns */
     bool yup, xleft;    /* rows begin at the bottom, columns at the right */
     int nscan, nlength; /* scan lines, pixels in each */
+    int width, height;  /* of the picture in standard order */
 };
 
 static int
@@ -275,6 +276,8 @@ read_resolution(struct reader *in)
     in->xleft = axis[in->xmajor ? 0 : 1][0] == '-';
     in->nscan = n[0];
     in->nlength = n[1];
+    in->width = n[!in->xmajor];
+    in->height = n[in->xmajor];
     return 0;
 }
 
@@ -424,13 +427,11 @@ decode_rows(struct reader *in, bool kept, uint8_t **rgbe)
 static const uint8_t *
 pixel_at(const struct reader *in, const uint8_t *rgbe, int x, int y)
 {
-    int w = in->xmajor ? in->nscan : in->nlength;
-    int h = in->xmajor ? in->nlength : in->nscan;
-    int u = in->xleft ? w - 1 - x : x, v = in->yup ? h - 1 - y : y;
-    size_t at = in->xmajor ? (size_t)u * (size_t)h + (size_t)v
-                           : (size_t)v * (size_t)w + (size_t)u;
+    int u = in->xleft ? in->width - 1 - x : x;
+    int v = in->yup ? in->height - 1 - y : y;
+    int scan = in->xmajor ? u : v, along = in->xmajor ? v : u;
 
-    return rgbe + 4 * at;
+    return rgbe + 4 * ((size_t)scan * (size_t)in->nlength + (size_t)along);
 }
 
 /* Read header and pixels; *rgbe is malloc'd, in the file's order.  kept false:
@@ -478,24 +479,22 @@ within_gamut(struct rad_rgb c)
 static int
 arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
 {
-    int w = in->xmajor ? in->nscan : in->nlength;
-    int h = in->xmajor ? in->nlength : in->nscan;
+    struct rad_rgb *to;
 
-    pic->L = malloc((size_t)w * (size_t)h * sizeof *pic->L);
+    pic->width = in->width;
+    pic->height = in->height;
+    to = pic->L = malloc(rad_picture_pixels(pic) * sizeof *pic->L);
     if (!pic->L)
         return rad_fail_memory(in->err);
-    for (int y = 0; y < h; y++)
-        for (int x = 0; x < w; x++) {
+    for (int y = 0; y < in->height; y++)
+        for (int x = 0; x < in->width; x++) {
             struct rad_rgb L = rad_rgbe_radiance(pixel_at(in, rgbe, x, y));
 
             L = rad_rgb((float)(L.r / in->divide[0]),
                         (float)(L.g / in->divide[1]),
                         (float)(L.b / in->divide[2]));
-            pic->L[(size_t)y * (size_t)w + (size_t)x] =
-                in->xyz ? within_gamut(rad_xyz_to_rgb(L)) : L;
+            *to++ = in->xyz ? within_gamut(rad_xyz_to_rgb(L)) : L;
         }
-    pic->width = w;
-    pic->height = h;
     pic->pixaspect = in->pixaspect;
     pic->irradiance = in->irradiance;
     pic->other_primaries = in->primaries && !in->xyz;
@@ -584,8 +583,8 @@ read_coded_picture(struct reader *in, size_t max_pixels, bool kept,
     }
     if (rc < 0)
         return rc;
-    pic->width = in->xmajor ? in->nscan : in->nlength;
-    pic->height = in->xmajor ? in->nlength : in->nscan;
+    pic->width = in->width;
+    pic->height = in->height;
     pic->pixaspect = in->pixaspect;
     return kept ? arrange_coded(in, rgbe, pic) : 0;
 }

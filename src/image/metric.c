@@ -7,12 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t
-pixels_of(const struct rad_picture *p)
-{
-    return (size_t)p->width * (size_t)p->height;
-}
-
 /* The mean of an n by n block whose first pixel is p. */
 static struct rad_rgb
 block_mean(const struct rad_rgb *p, int width, int n)
@@ -42,7 +36,7 @@ rad_picture_blocks(const struct rad_picture *in, int n, struct rad_picture *out,
     out->width = in->width / n;
     out->height = in->height / n;
     out->pixaspect = in->pixaspect;
-    out->L = malloc(pixels_of(out) * sizeof *out->L);
+    out->L = malloc(rad_picture_pixels(out) * sizeof *out->L);
     if (!out->L)
         return rad_fail_memory(err);
     for (int y = 0; y < out->height; y++)
@@ -56,7 +50,7 @@ rad_picture_blocks(const struct rad_picture *in, int n, struct rad_picture *out,
 static double
 mean_of(const struct rad_picture *p)
 {
-    size_t n = pixels_of(p);
+    size_t n = rad_picture_pixels(p);
     double sum = 0;
 
     for (size_t i = 0; i < n; i++)
@@ -67,7 +61,7 @@ mean_of(const struct rad_picture *p)
 static void
 clip(struct rad_picture *p, double most)
 {
-    size_t n = pixels_of(p);
+    size_t n = rad_picture_pixels(p);
     float m = (float)most;
 
     for (size_t i = 0; i < n; i++)
@@ -95,7 +89,7 @@ reduce(struct rad_picture *p, int n, struct rad_error *err)
 static int
 check_finite(const struct rad_picture *p, struct rad_error *err)
 {
-    size_t n = pixels_of(p);
+    size_t n = rad_picture_pixels(p);
 
     for (size_t i = 0; i < n; i++)
         if (!isfinite(p->L[i].r + p->L[i].g + p->L[i].b))
@@ -160,7 +154,7 @@ luminance(struct rad_rgb c)
 static double
 mean_luminance(const struct rad_picture *p)
 {
-    size_t n = pixels_of(p);
+    size_t n = rad_picture_pixels(p);
     double sum = 0;
 
     for (size_t i = 0; i < n; i++)
@@ -190,7 +184,7 @@ int
 rad_metric_compare(const struct rad_picture *a, const struct rad_picture *b,
                    struct rad_metric *m, struct rad_error *err)
 {
-    size_t n = pixels_of(b);
+    size_t n = rad_picture_pixels(b);
     double mean = mean_of(b), lum = mean_luminance(b), e = 1e-3 * lum;
     double square = 0, logs = 0, most = 0;
     double *rel;

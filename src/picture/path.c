@@ -76,28 +76,18 @@ rad_path_begin(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t spread,
     return false;
 }
 
-/* Start r off the hit of `parent`; the caller sets its direction. */
-static bool
-leave(struct rad_ctx *ctx, const struct rad_ray *parent, struct rad_ray *r)
+bool
+rad_path_bounce(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key,
+                int k, struct rad_ray *r)
 {
-    struct rad_rgb coef = rad_grey(MEAN_REFLECTANCE);
+    const struct rad_rgb coef = rad_grey(MEAN_REFLECTANCE);
+    double u = rad_rand(key, 2 * (uint32_t)k);
+    double a[3], b[3], w[3], sine, cosine;
 
     if (!rad_ray_spawn(ctx, r, RAD_RAY_RAMBIENT, parent, &coef,
                        RAD_PATH_BRANCH))
         return false;
     ctx->counts.ambient_rays++;
-    return true;
-}
-
-bool
-rad_path_bounce(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key,
-                int k, struct rad_ray *r)
-{
-    double u = rad_rand(key, 2 * (uint32_t)k);
-    double a[3], b[3], w[3], sine, cosine;
-
-    if (!leave(ctx, parent, r))
-        return false;
     rad_scale(w, parent->cos_o < 0 ? -1 : 1, parent->n);
     rad_frame(a, b, w);
     rad_sin_and_cos(2 * M_PI * rad_rand(key, 2 * (uint32_t)k + 1), &sine,

@@ -389,28 +389,29 @@ leave_density(struct rad_quincunx_line *s, int found)
         s->below[s->ndensity++] = (uint8_t)(is_offset(s) ? found : s->found);
 }
 
+/* The density that gap g takes over from the line above. */
+static int
+density_above(const uint8_t *above, size_t g)
+{
+    return above[g] > above[g + 1] ? above[g] : above[g + 1];
+}
+
 bool
 rad_quincunx_line_step(struct rad_quincunx_line *s)
 {
     const struct rad_quincunx *q = s->q;
     struct gap g = { q, false };
     int y = rad_quincunx_base_row(q, s->i);
-    int len = q->xstep, density = s->found, found;
+    int density = s->found, found, len;
 
     if (s->x >= q->width - 1) {
         if (s->ndensity < rad_quincunx_ndensity(q))
             finish_densities(s);
         return false;
     }
-    if (s->gap == 0 && is_offset(s) && len > 1)
-        len /= 2;
-    if (len > q->width - 1 - s->x)
-        len = q->width - 1 - s->x;
-    if (s->above) {
-        int a = s->above[s->gap], b = s->above[s->gap + 1];
-
-        density = a > b ? a : b;
-    }
+    len = rad_quincunx_gap_begin(q, s->i, (int)s->gap + 1) - s->x;
+    if (s->above)
+        density = density_above(s->above, s->gap);
     trace(q, s->x + len, y, &s->pixels[s->x + len]);
     found = len > 1
                 ? fill_whole(&g, s->pixels + s->x, s->x, y, len, density / 2)
@@ -459,10 +460,8 @@ rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
     int y = rad_quincunx_base_row(q, i);
     int x = rad_quincunx_gap_begin(q, i, g);
     int len = rad_quincunx_gap_begin(q, i, g + 1) - x;
-    int density = 0;
+    int density = above ? density_above(above, (size_t)g) : 0;
 
-    if (above)
-        density = above[g] > above[g + 1] ? above[g] : above[g + 1];
     trace(q, x, y, &pixels[0]);
     trace(q, x + len, y, &pixels[len]);
     if (len > 1)

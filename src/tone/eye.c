@@ -114,6 +114,12 @@ take_size(struct rad_eye *e)
     e->ny = (int)y;
 }
 
+static bool
+is_known(const struct rad_eye *e, struct rad_rgb L)
+{
+    return !e->partial || !rad_rgb_black(L);
+}
+
 /* The pixels [*first, *end) of sample i of n along a side of `size`. */
 static void
 span(int i, int n, int size, int *first, int *end)
@@ -138,7 +144,7 @@ average(const struct rad_eye *e, int i, int j, double mean[3])
         const struct rad_rgb *L = e->pic->L + (size_t)y * (size_t)e->pic->width;
 
         for (int x = x0; x < x1; x++) {
-            if (e->partial && rad_rgb_black(L[x]))
+            if (!is_known(e, L[x]))
                 continue;
             mean[0] += (double)L[x].r;
             mean[1] += (double)L[x].g;
@@ -225,12 +231,6 @@ struct lattice {
     int step;
     size_t n;
 };
-
-static bool
-is_known(const struct rad_eye *e, struct rad_rgb L)
-{
-    return !e->partial || !rad_rgb_black(L);
-}
 
 static const struct rad_rgb *
 pixel(const struct rad_eye *e, int x, int y)
@@ -613,7 +613,7 @@ rad_eye_row(struct rad_eye *e, const struct rad_human *h, int y,
     for (int x = 0; x < width; x++) {
         struct between u = among_samples(x, width, e->nx);
 
-        if (e->partial && rad_rgb_black(L[x]))
+        if (!is_known(e, L[x]))
             out[x] = L[x];
         else if (h->acuity)
             out[x] =

@@ -159,12 +159,9 @@ bin_of(double value)
 static double
 brightest(const struct rad_picture *pic)
 {
-    size_t n = (size_t)pic->width * (size_t)pic->height, above = 0;
-    static const size_t none[BINS];
-    size_t bin[BINS];
+    size_t n = rad_picture_pixels(pic), above = 0, bin[BINS] = { 0 };
     int i = BINS;
 
-    memcpy(bin, none, sizeof bin);
     for (size_t k = 0; k < n; k++) {
         double v = value_of(pic->L[k]);
 
@@ -176,11 +173,13 @@ brightest(const struct rad_picture *pic)
     return above > 0 ? exp2((i + 1.) / PER_OCTAVE - OCTAVES / 2) : 0;
 }
 
+/* Round numbers, to be multiplied by powers of ten. */
+static const double steps[] = { 1, 2, 5 };
+
 /* The least of 1, 2, 5 or 10 times a power of ten that is not below v. */
 static double
 round_up(double v)
 {
-    static const double steps[] = { 1, 2, 5 };
     double power = pow(10, floor(log10(v)));
 
     for (int i = 0; i < 3; i++)
@@ -342,7 +341,6 @@ tick_divisions(const struct rad_false_scale *s, struct rad_legend *l)
 static void
 tick_powers(const struct rad_false_scale *s, struct rad_legend *l)
 {
-    static const double steps[] = { 1, 2, 5 };
     int few = s->decades > 3 ? 1 : 3;
     int first = (int)floor(log10(s->top) - s->decades) - 1;
 
@@ -420,7 +418,7 @@ rad_difference_map(const struct rad_picture *test,
 {
     struct rad_legend l = { .title = "test/ref",
                             .colour = difference_colour };
-    size_t n = (size_t)ref->width * (size_t)ref->height;
+    size_t n = rad_picture_pixels(ref);
     double mean = 0;
     int rc;
 

@@ -127,7 +127,7 @@ are_radiances(const double chroma[8])
 void
 rad_primaries_convert(struct rad_picture *pic)
 {
-    size_t n = (size_t)pic->width * (size_t)pic->height;
+    size_t n = rad_picture_pixels(pic);
     double m[3][3];
 
     if (!pic->other_primaries || are_radiances(pic->chroma) ||

@@ -30,18 +30,12 @@ struct bin {
     double logs;
 };
 
-static size_t
-pixels(const struct rad_picture *pic)
-{
-    return (size_t)pic->width * (size_t)pic->height;
-}
-
 /* --- photographic --- */
 
 static size_t
 fill_bins(struct bin bins[NBINS], const struct rad_picture *pic)
 {
-    size_t n = pixels(pic), counted = 0;
+    size_t n = rad_picture_pixels(pic), counted = 0;
 
     for (size_t i = 0; i < n; i++) {
         float lum = rad_rgb_lum(pic->L[i]);
@@ -131,7 +125,7 @@ static bool
 fit_linear(struct rad_tone *t, const struct rad_picture *pic)
 {
     double sum = 0, hot_sum = 0;
-    size_t n = 0, nhot = 0, all = pixels(pic);
+    size_t n = 0, nhot = 0, all = rad_picture_pixels(pic);
 
     for (size_t i = 0; i < all; i++) {
         float lum = rad_rgb_lum(pic->L[i]);
