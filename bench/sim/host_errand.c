@@ -69,8 +69,7 @@ send_window(struct host *h, const struct errand *d)
     struct msg_counts counts =
         host_counts(h, d->seconds, d->seconds, u->width * u->height / 2);
 
-    host_rows_send(h, u->unit, u->attempt, u->width, 0, u->height, u->height,
-                   &counts);
+    host_rows_send(h, u, 0, u->height, &counts);
 }
 
 static void

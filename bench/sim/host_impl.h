@@ -163,10 +163,9 @@ void host_errands_forget(struct host *h);
 size_t host_rows_room(const struct host *h);
 /* How many rows of so many columns are in a piece as they travel. */
 uint32_t host_rows_piece(struct host *h, uint32_t width);
-/* Rows of a unit, in pieces as long as a child's.  Those that reach `height`
- * are its last, and counts what it cost. */
-void host_rows_send(struct host *h, uint32_t unit, uint32_t attempt,
-                    uint32_t width, uint32_t row, uint32_t rows,
-                    uint32_t height, const struct msg_counts *counts);
+/* Rows of a unit, in pieces as long as a child's.  counts: what the unit cost,
+ * if they are its last rows; else NULL. */
+void host_rows_send(struct host *h, const struct msg_unit *u, uint32_t row,
+                    uint32_t rows, const struct msg_counts *counts);
 
 #endif

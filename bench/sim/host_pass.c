@@ -106,9 +106,7 @@ send_rows(struct host_pass *p, const struct msg_counts *total)
 {
     struct task *t = &p->task;
 
-    host_rows_send(p->host, t->unit.unit, t->unit.attempt, t->unit.width,
-                   t->nsent, t->nrows - t->nsent, total ? t->nrows : UINT32_MAX,
-                   total);
+    host_rows_send(p->host, &t->unit, t->nsent, t->nrows - t->nsent, total);
     t->nsent = t->nrows;
 }
 

@@ -52,24 +52,23 @@ host_rows_piece(struct host *h, uint32_t width)
 }
 
 void
-host_rows_send(struct host *h, uint32_t unit, uint32_t attempt, uint32_t width,
-               uint32_t row, uint32_t rows, uint32_t height,
-               const struct msg_counts *counts)
+host_rows_send(struct host *h, const struct msg_unit *u, uint32_t row,
+               uint32_t rows, const struct msg_counts *counts)
 {
-    uint32_t most = host_rows_piece(h, width);
+    uint32_t most = host_rows_piece(h, u->width);
     struct msg m = { .type = MSG_RESULT };
 
     do {
         uint32_t n = rows < most ? rows : most;
 
         m.result = (struct msg_result){ .job = h->cluster->job,
-                                        .unit = unit,
-                                        .attempt = attempt,
+                                        .unit = u->unit,
+                                        .attempt = u->attempt,
                                         .row = row,
                                         .rows = n,
-                                        .width = width,
+                                        .width = u->width,
                                         .channels = 1,
-                                        .last = row + n == height,
+                                        .last = counts && n == rows,
                                         .pixels = h->code,
                                         .len = n * h->row_bytes };
         if (m.result.last) {

@@ -119,11 +119,11 @@ void folder_put_colours(struct folder *f, const uint8_t job[MSG_JOB],
 int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
                     uint32_t frame, uint32_t y, uint8_t *pixels,
                     struct rad_error *err);
-/* Set *sum to the rowsum() of the first rows of an area, as the file holds
- * them; line: with the last row's line, where rows come coded. */
+/* Set *sum to the rowsum() of an area, as the file holds it; line: with the
+ * last row's line, where rows come coded. */
 int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
-               const struct partition_area *a, uint32_t rows, bool line,
-               uint64_t *sum, struct rad_error *err);
+               const struct partition_area *a, bool line, uint64_t *sum,
+               struct rad_error *err);
 /* Keep the records of a pass, if it follows those that are kept; a pass that
  * is not kept is made again in the next life. */
 void folder_put_pass(struct folder *f, const uint8_t job[MSG_JOB],

@@ -173,8 +173,8 @@ sum_line(struct rows *r, uint32_t y, uint64_t *sum, struct rad_error *err)
 
 int
 folder_sum(struct folder *f, const uint8_t id[MSG_JOB],
-           const struct partition_area *a, uint32_t rows, bool line,
-           uint64_t *sum, struct rad_error *err)
+           const struct partition_area *a, bool line, uint64_t *sum,
+           struct rad_error *err)
 {
     struct frame_rows *r;
     int rc = folder_find_rows(f, id, a->frame, NULL, &r, err);
@@ -188,15 +188,15 @@ folder_sum(struct folder *f, const uint8_t id[MSG_JOB],
     row = malloc(n);
     if (!row)
         return rad_fail_memory(err);
-    for (uint32_t i = 0; i < rows && rc == 0; i++) {
+    for (uint32_t i = 0; i < a->height && rc == 0; i++) {
         rc = rows_read_part(r->rows, (int)a->x, (int)(a->y + i), (int)a->width,
                             row, err);
         if (rc == 0)
             *sum ^= rowsum(row, n, a->y + i, 1);
     }
     free(row);
-    if (rc == 0 && line && rows > 0 && r->rows->kind == ROWS_RGBE)
-        rc = sum_line(r->rows, a->y + rows - 1, sum, err);
+    if (rc == 0 && line && a->height > 0 && r->rows->kind == ROWS_RGBE)
+        rc = sum_line(r->rows, a->y + a->height - 1, sum, err);
     return rc;
 }
 

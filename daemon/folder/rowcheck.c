@@ -34,12 +34,15 @@ struct check {
 static int
 look(const struct check *c, const struct saved_unit *u, bool *sound, bool *line)
 {
+    struct partition_area kept = u->area;
+
+    kept.height = u->stored;
     *sound = *line = false;
     for (int with = u->nbottom > 0; with < 2 && !*sound && !c->given_up;
          with++) {
         uint64_t sum;
-        int rc = folder_sum(c->f, c->saved->spec.job, &u->area, u->stored, with,
-                            &sum, c->err);
+        int rc =
+            folder_sum(c->f, c->saved->spec.job, &kept, with, &sum, c->err);
 
         if (rc < 0)
             return rc;

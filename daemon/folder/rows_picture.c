@@ -32,18 +32,27 @@ encode_rows(struct rows *r, const struct rad_sink *sink, struct rad_error *err)
     return rc;
 }
 
-/* Copy coded rows from row y on that lie one behind the other; a row that has
- * not come is black.  Returns the number of rows, or a code. */
+/* Coded rows that are copied. */
+struct copier {
+    struct rows *rows;
+    const struct rad_sink *sink;
+    uint8_t *code;  /* room for them */
+    uint8_t *black; /* a black row, of nblack bytes */
+    size_t nblack;
+};
+
+/* Copy rows from row y on that lie one behind the other; a row that has not
+ * come is black.  Returns the number of rows, or a code. */
 static int
-copy_rows(struct rows *r, int y, const struct rad_sink *sink, uint8_t *code,
-          const uint8_t *black, size_t nblack, struct rad_error *err)
+copy_rows(const struct copier *c, int y, struct rad_error *err)
 {
+    struct rows *r = c->rows;
     const struct rows_place *p = r->place ? &r->place[y] : NULL;
     size_t n = p ? p->n : 0;
     int k = 1, rc;
 
     if (n == 0) {
-        rc = sink->write(sink->arg, black, nblack, err);
+        rc = c->sink->write(c->sink->arg, c->black, c->nblack, err);
         return rc < 0 ? rc : 1;
     }
     for (; y + k < r->height && p[k].n > 0 && p[k].at == p[0].at + n &&
@@ -52,29 +61,29 @@ copy_rows(struct rows *r, int y, const struct rad_sink *sink, uint8_t *code,
         n += p[k].n;
     rc = rows_use(r, err);
     if (rc == 0)
-        rc = disk_read_at(r->fd, code, n, (off_t)p->at, r->path, err);
+        rc = disk_read_at(r->fd, c->code, n, (off_t)p->at, r->path, err);
     if (rc == 0)
-        rc = sink->write(sink->arg, code, n, err);
+        rc = c->sink->write(c->sink->arg, c->code, n, err);
     return rc < 0 ? rc : k;
 }
 
 static int
 copy_coded(struct rows *r, const struct rad_sink *sink, struct rad_error *err)
 {
-    size_t room = RAD_HDR_ROW_BYTES(r->width), nblack;
-    uint8_t *code = malloc(COPY_BYTES + room), *black = malloc(room);
+    size_t room = RAD_HDR_ROW_BYTES(r->width);
+    struct copier c = { r, sink, malloc(COPY_BYTES + room), malloc(room), 0 };
     struct rad_rgb *line = calloc((size_t)r->width, sizeof *line);
     int rc = 0;
 
-    if (!code || !black || !line) {
+    if (!c.code || !c.black || !line) {
         rc = rad_fail_memory(err);
     } else {
-        nblack = rad_hdr_encode_row(line, r->width, black);
+        c.nblack = rad_hdr_encode_row(line, r->width, c.black);
         for (int y = 0; y < r->height && rc >= 0; y += rc)
-            rc = copy_rows(r, y, sink, code, black, nblack, err);
+            rc = copy_rows(&c, y, err);
     }
-    free(code);
-    free(black);
+    free(c.code);
+    free(c.black);
     free(line);
     return rc < 0 ? rc : 0;
 }

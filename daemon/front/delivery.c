@@ -27,22 +27,6 @@
  * takes about a millisecond. */
 #define TELL_PIECES 4
 
-/* Send bytes [at, end) of a text of `total` bytes as CHUNKs. */
-static void
-send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
-          const char *text, size_t total, size_t at, size_t end)
-{
-    for (; at < end; at += MSG_MAX_CHUNK) {
-        size_t n = end - at < MSG_MAX_CHUNK ? end - at : MSG_MAX_CHUNK;
-        struct msg m = { .type = MSG_CHUNK,
-                         .request = request,
-                         .chunk = { NULL, at, total, (const uint8_t *)text + at,
-                                    n } };
-
-        actions_send(&c->actions, conn->id, &m);
-    }
-}
-
 /* Send more of a whole text of statistics; false: all of it is sent. */
 static bool
 send_more(struct coord *c, const struct coord_conn *conn,
@@ -50,8 +34,17 @@ send_more(struct coord *c, const struct coord_conn *conn,
 {
     size_t end = t->len - t->sent < TELL_BYTES ? t->len : t->sent + TELL_BYTES;
 
-    send_text(c, conn, t->request, t->whole, t->len, t->sent, end);
-    t->sent = end;
+    while (t->sent < end) {
+        size_t n =
+            end - t->sent < MSG_MAX_CHUNK ? end - t->sent : MSG_MAX_CHUNK;
+        struct msg m = { .type = MSG_CHUNK,
+                         .request = t->request,
+                         .chunk = { NULL, t->sent, t->len,
+                                    (const uint8_t *)t->whole + t->sent, n } };
+
+        actions_send(&c->actions, conn->id, &m);
+        t->sent += n;
+    }
     return end < t->len;
 }
 

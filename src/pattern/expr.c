@@ -371,13 +371,13 @@ rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
 
 bool
 rad_expr_values_all(struct rad_ctx *ctx, const struct rad_expr *e,
-                    const struct rad_ray *r, int first, int n, bool backward,
+                    const struct rad_ray *r, int n, bool backward,
                     double value[])
 {
     struct rad_expr_scope scope;
 
-    begin_for(ctx, e, r, first, n, &scope);
-    return rad_expr_get_all(ctx, e, first, n, backward, value);
+    begin_for(ctx, e, r, 0, n, &scope);
+    return rad_expr_get_all(ctx, e, 0, n, backward, value);
 }
 
 bool

@@ -75,8 +75,8 @@ bool rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
  * These are as rad_expr_values() and rad_expr_get(); backward: the last is
  * evaluated first.  value[i] is 0 where there is none. */
 bool rad_expr_values_all(struct rad_ctx *ctx, const struct rad_expr *e,
-                         const struct rad_ray *r, int first, int n,
-                         bool backward, double value[]);
+                         const struct rad_ray *r, int n, bool backward,
+                         double value[]);
 bool rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                       int n, bool backward, double value[]);
 

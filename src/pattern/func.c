@@ -27,7 +27,7 @@ static bool
 colors(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
        double value[3])
 {
-    return rad_expr_values_all(ctx, &e->expr, r, 0, 3, true, value);
+    return rad_expr_values_all(ctx, &e->expr, r, 3, true, value);
 }
 
 int

@@ -630,21 +630,20 @@ rad_doubt_look(const struct rad_doubt_rows *rows, struct rad_ctx *ctx,
 }
 
 bool
-rad_doubt_look_at_window(const struct rad_frame *f, struct rad_ctx *ctx,
-                         const struct rad_window *w,
-                         const struct rad_pixel *const row[],
+rad_doubt_look_at_window(const struct rad_doubt_rows *window,
+                         struct rad_ctx *ctx,
                          const struct rad_doubt_share *share,
                          const _Atomic bool *stop, struct rad_doubt *to)
 {
-    struct rad_doubt_rows rows = { .frame = f, .x = w->x, .width = w->width };
+    struct rad_doubt_rows rows = *window;
     bool ok = true;
     int xstep, ystep;
 
-    rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
-    for (int y = w->height > 1; ok && y < w->height; y += ystep) {
-        rows.y = w->y + y;
-        rows.n = w->height - y < ystep ? w->height - y : ystep;
-        rows.row = row + y;
+    rad_quincunx_steps(rows.frame->job->params.psample, &xstep, &ystep);
+    for (int y = window->n > 1; ok && y < window->n; y += ystep) {
+        rows.y = window->y + y;
+        rows.n = window->n - y < ystep ? window->n - y : ystep;
+        rows.row = window->row + y;
         ok = rad_doubt_look(&rows, ctx, share, stop, to);
     }
     return ok;

@@ -130,13 +130,11 @@ bool rad_doubt_look(const struct rad_doubt_rows *rows, struct rad_ctx *ctx,
                     const struct rad_doubt_share *share,
                     const _Atomic bool *stop, struct rad_doubt *to);
 
-/* Look at the rows of a window that rad_frame_window() has rendered; row[k] is
- * its k-th row from the top.  Row 0 is left out, for it is sampled more densely
- * than the others, unless there are no others.  Otherwise as rad_doubt_look().
- */
-bool rad_doubt_look_at_window(const struct rad_frame *f, struct rad_ctx *ctx,
-                              const struct rad_window *w,
-                              const struct rad_pixel *const row[],
+/* Look at all rows of a window that rad_frame_window() has rendered.  Row 0 is
+ * left out, for it is sampled more densely than the others, unless there are no
+ * others.  Otherwise as rad_doubt_look(). */
+bool rad_doubt_look_at_window(const struct rad_doubt_rows *window,
+                              struct rad_ctx *ctx,
                               const struct rad_doubt_share *share,
                               const _Atomic bool *stop, struct rad_doubt *to);
 

@@ -70,12 +70,14 @@ area(const corner *v, int n)
 }
 
 double
-rad_paint_coverage(const double (*in)[2], int n, int width, int height, int x,
-                   int y, double centre[2])
+rad_paint_coverage(const struct rad_paint_source *s,
+                   const struct rad_canvas *canvas, int x, int y,
+                   double centre[2])
 {
     corner a[MOST_CORNERS], b[MOST_CORNERS];
+    int width = canvas->width, height = canvas->height;
+    int n = clip(s->corner, s->ncorners, 0, (double)x / width, 1, a);
 
-    n = clip(in, n, 0, (double)x / width, 1, a);
     n = clip(a, n, 0, (x + 1.) / width, -1, b);
     n = clip(b, n, 1, (double)y / height, 1, a);
     n = clip(a, n, 1, (y + 1.) / height, -1, b);
@@ -340,8 +342,7 @@ rad_paint_row(const struct rad_paint *p, const struct rad_canvas *canvas,
             continue;
         for (int x = from; x < to; x++) {
             double centre[2], dist = 0;
-            double w = rad_paint_coverage(s->corner, s->ncorners, canvas->width,
-                                          canvas->height, x, up, centre);
+            double w = rad_paint_coverage(s, canvas, x, up, centre);
             uint64_t key = rad_key_pixel(canvas->seed, canvas->frame,
                                          (uint32_t)x, (uint32_t)y);
             struct rad_rgb L;

@@ -54,10 +54,10 @@ void rad_paint_row(const struct rad_paint *p, const struct rad_canvas *canvas,
                    struct rad_ctx *ctx, int x0, int x1, int y,
                    struct rad_pixel *row);
 
-/* The share of pixel (x, y), y from the bottom, that a convex polygon of
- * picture positions covers; 0: none.  centre gets the mean of the covered
- * part's corners. */
-double rad_paint_coverage(const double (*corner)[2], int n, int width,
-                          int height, int x, int y, double centre[2]);
+/* The share of pixel (x, y), y from the bottom, that a source covers; 0: none.
+ * centre gets the mean of the covered part's corners. */
+double rad_paint_coverage(const struct rad_paint_source *s,
+                          const struct rad_canvas *canvas, int x, int y,
+                          double centre[2]);
 
 #endif

@@ -129,10 +129,13 @@ look_at_window(struct check *c, const struct sampled *s)
     double pixels = (double)s->at.width * s->at.height;
     double areas = s->frame.points ? POINTS : AREAS;
     struct rad_doubt_share share = { c->small ? INFINITY : areas / pixels, 0 };
+    struct rad_doubt_rows rows = {
+        &s->frame,   s->at.x,      s->at.y,
+        s->at.width, s->at.height, (const struct rad_pixel *const *)s->row
+    };
 
-    return rad_doubt_look_at_window(&s->frame, c->ctx, &s->at,
-                                    (const struct rad_pixel *const *)s->row,
-                                    &share, c->stop, &c->out->doubt);
+    return rad_doubt_look_at_window(&rows, c->ctx, &share, c->stop,
+                                    &c->out->doubt);
 }
 
 /* Sample a window, and make some of it again. */

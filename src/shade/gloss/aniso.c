@@ -113,7 +113,7 @@ void
 rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e,
                 const struct rad_ray *r, double along[3])
 {
-    take_along(along, e, r, rad_expr_values_all(ctx, e, r, 0, 3, false, along));
+    take_along(along, e, r, rad_expr_values_all(ctx, e, r, 3, false, along));
 }
 
 void

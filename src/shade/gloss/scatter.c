@@ -647,7 +647,7 @@ evaluate(const struct scatter_hit *hit, double *thick, double up[3])
     const struct scatter *s = hit->s;
     double v[4];
     bool sound =
-        rad_expr_values_all(hit->ctx, &s->expr, hit->r, 0, s->expr.n, false, v);
+        rad_expr_values_all(hit->ctx, &s->expr, hit->r, s->expr.n, false, v);
 
     *thick = s->proxy_type ? v[0] * rad_expr_scale(&s->expr, hit->r) : 0;
     if (fabs(*thick) <= RAD_TINY)

@@ -512,9 +512,12 @@ TEST(wide_lamps_and_illums_are_not_painted)
 
 TEST(coverage_of_all_pixels_is_the_area)
 {
-    static const double poly[][2] = {
-        { .11, .13 }, { .83, .27 }, { .71, .9 }, { .2, .66 }
+    static const struct rad_paint_source s = {
+        .ncorners = 4,
+        .corner = { { .11, .13 }, { .83, .27 }, { .71, .9 }, { .2, .66 } }
     };
+    const struct rad_canvas canvas = { .width = 9, .height = 7 };
+    const double(*poly)[2] = s.corner;
     double sum = 0, twice = 0, centre[2];
 
     for (int i = 0; i < 4; i++)
@@ -522,7 +525,7 @@ TEST(coverage_of_all_pixels_is_the_area)
                  poly[(i + 1) % 4][0] * poly[i][1];
     for (int y = 0; y < 7; y++)
         for (int x = 0; x < 9; x++) {
-            double w = rad_paint_coverage(poly, 4, 9, 7, x, y, centre);
+            double w = rad_paint_coverage(&s, &canvas, x, y, centre);
 
             ck_assert(w >= 0 && w <= 1 + 1e-12);
             if (w > 0)
