@@ -15,24 +15,20 @@
 #include <sysexits.h>
 #include <time.h>
 
-static uv_loop_t loop;
-static struct store *s;
-static struct heard h;
-
 static void
 set_up(void)
 {
     scratch_make();
     uv_loop_init(&loop);
-    s = NULL;
-    h = (struct heard){ 0 };
+    store = NULL;
+    heard = (struct heard){ 0 };
 }
 
 static void
 tear_down(void)
 {
-    if (s)
-        store_close(s);
+    if (store)
+        store_close(store);
     ck_assert_int_eq(uv_loop_close(&loop), 0);
     scratch_remove();
 }
@@ -42,8 +38,8 @@ FIXTURE(set_up, tear_down)
 static void
 open_store(bool durable)
 {
-    s = store_open(&loop, dir, durable, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
+    store = store_open(&loop, dir, durable, &handler, &heard, NULL);
+    ck_assert_ptr_nonnull(store);
 }
 
 static void
@@ -70,14 +66,14 @@ place_of(const char *text)
 TEST(store_keeps_files_and_refuses_impostors)
 {
     open_store(true);
-    put_file(s, "hello", "hello");
-    run(&loop, s);
-    ck_assert_int_eq(h.files, 1);
-    ck_assert_int_eq(h.status, 0);
-    put_file(s, "olleh", "other");
-    run(&loop, s);
-    ck_assert_int_eq(h.files, 2);
-    ck_assert_int_eq(h.status, 76);
+    put_file("hello", "hello");
+    run();
+    ck_assert_int_eq(heard.files, 1);
+    ck_assert_int_eq(heard.status, 0);
+    put_file("olleh", "other");
+    run();
+    ck_assert_int_eq(heard.files, 2);
+    ck_assert_int_eq(heard.status, 76);
 }
 
 TEST(a_file_waits_for_descriptors)
@@ -88,13 +84,13 @@ TEST(a_file_waits_for_descriptors)
     ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &was), 0);
     none = (struct rlimit){ 0, was.rlim_max };
     ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &none), 0);
-    put_file(s, "hello", "hello");
-    while (s->queue.told_lack == TASK_LACKS_NOTHING)
+    put_file("hello", "hello");
+    while (store->queue.told_lack == TASK_LACKS_NOTHING)
         uv_run(&loop, UV_RUN_ONCE);
     ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &was), 0);
-    run(&loop, s);
-    ck_assert_int_eq(h.files, 1);
-    ck_assert_int_eq(h.status, 0);
+    run();
+    ck_assert_int_eq(heard.files, 1);
+    ck_assert_int_eq(heard.status, 0);
     ck_assert_int_eq(access(place_of("hello"), F_OK), 0);
 }
 
@@ -111,9 +107,9 @@ take_pieces(const struct msg_chunk *piece, int n)
 
         c.hash = digest;
         c.data = (const uint8_t *)"hello";
-        store_put_chunk(s, 5, &c);
+        store_put_chunk(store, 5, &c);
     }
-    run(&loop, s);
+    run();
 }
 
 /* A sender that cannot read a file, or its rest, sends it as an empty one. */
@@ -124,10 +120,11 @@ LOOP_TEST(store_tells_of_a_file_that_its_sender_cannot_read, 2)
     };
 
     take_pieces(half_and_empty + _i, 2 - _i);
-    ck_assert_int_eq(h.files, 1);
-    ck_assert_int_eq(h.status, EX_PROTOCOL);
-    ck_assert_str_eq(h.text, "file 2cf24dba5fb0 came empty: its sender cannot "
-                             "read it");
+    ck_assert_int_eq(heard.files, 1);
+    ck_assert_int_eq(heard.status, EX_PROTOCOL);
+    ck_assert_str_eq(heard.text,
+                     "file 2cf24dba5fb0 came empty: its sender cannot "
+                     "read it");
 }
 
 /* Only the first piece of a file is counted for its user. */
@@ -138,8 +135,8 @@ TEST(a_file_that_begins_again_with_another_length_is_refused)
     };
 
     take_pieces(small_and_large, 2);
-    ck_assert_int_eq(h.status, EX_PROTOCOL);
-    ck_assert_str_eq(h.text, "a file that changed its length");
+    ck_assert_int_eq(heard.status, EX_PROTOCOL);
+    ck_assert_str_eq(heard.text, "a file that changed its length");
 }
 
 TEST(store_tells_of_every_chunk)
@@ -156,15 +153,15 @@ TEST(store_tells_of_every_chunk)
         c.total = strlen(text);
         c.data = (const uint8_t *)text + at;
         c.len = n;
-        store_put_chunk(s, 5, &c);
-        ck_assert_uint_ge(store_backlog(s), n);
-        run(&loop, s);
-        ck_assert_uint_eq(store_backlog(s), 0);
-        ck_assert_int_eq(h.chunks + h.files, (int)(at / 5) + 1);
+        store_put_chunk(store, 5, &c);
+        ck_assert_uint_ge(store_backlog(store), n);
+        run();
+        ck_assert_uint_eq(store_backlog(store), 0);
+        ck_assert_int_eq(heard.chunks + heard.files, (int)(at / 5) + 1);
     }
-    ck_assert_int_eq(h.chunks, 2);
-    ck_assert_int_eq(h.files, 1);
-    ck_assert_int_eq(h.status, 0);
+    ck_assert_int_eq(heard.chunks, 2);
+    ck_assert_int_eq(heard.files, 1);
+    ck_assert_int_eq(heard.status, 0);
 }
 
 /* Give the file of the text "hello" another content of the same length. */
@@ -185,13 +182,13 @@ TEST(store_notices_damaged_files)
     digest_of("hello", digest);
     open_store(false);
     for (int again = 0; again < 2; again++) {
-        put_file(s, "hello", "hello");
-        run(&loop, s);
-        ck_assert(store_check_file(s, digest));
-        ck_assert(store_check_file(s, digest)); /* now known */
+        put_file("hello", "hello");
+        run();
+        ck_assert(store_check_file(store, digest));
+        ck_assert(store_check_file(store, digest)); /* now known */
         damage();
-        ck_assert(!store_check_file(s, digest));
-        ck_assert(!store_check_file(s, digest));
+        ck_assert(!store_check_file(store, digest));
+        ck_assert(!store_check_file(store, digest));
     }
 }
 
@@ -205,20 +202,20 @@ LOOP_TEST(files_are_read_behind_the_loop, 2)
 
     digest_of("hello", digest);
     open_store(false);
-    ck_assert(store_look(s, &look)); /* it is missing */
-    put_file(s, "hello", "hello");
-    run(&loop, s);
-    ck_assert(store_look(s, &look)); /* it was written just now */
-    store_close(s);
+    ck_assert(store_look(store, &look)); /* it is missing */
+    put_file("hello", "hello");
+    run();
+    ck_assert(store_look(store, &look)); /* it was written just now */
+    store_close(store);
     if (_i)
         damage();
     open_store(false);
-    ck_assert(!store_look(s, &look));
-    ck_assert_uint_eq(h.looked, 0);
-    run(&loop, s);
-    ck_assert_uint_eq(h.looked, 7);
-    ck_assert(store_look(s, &look));
-    ck_assert(store_check_file(s, digest) == !_i);
+    ck_assert(!store_look(store, &look));
+    ck_assert_uint_eq(heard.looked, 0);
+    run();
+    ck_assert_uint_eq(heard.looked, 7);
+    ck_assert(store_look(store, &look));
+    ck_assert(store_check_file(store, digest) == !_i);
 }
 
 TEST(folder_serves_one_store)
@@ -226,7 +223,7 @@ TEST(folder_serves_one_store)
     struct rad_error err = { 0 };
 
     open_store(true);
-    ck_assert_ptr_null(store_open(&loop, dir, true, &handler, &h, &err));
+    ck_assert_ptr_null(store_open(&loop, dir, true, &handler, &heard, &err));
     ck_assert_int_eq(err.code, RAD_ECANTCREAT);
 }
 
@@ -276,40 +273,40 @@ LOOP_TEST(job_becomes_a_picture, 2)
 
     memcpy(from.job, job, MSG_JOB);
     open_store(_i);
-    store_open_job(s, job, &small);
-    put_unit(s, job, 0, 3, 3);
-    run(&loop, s);
-    ck_assert_int_eq(h.jobs, 1);
-    ck_assert_int_eq(h.rows, 1);
-    read_all(s, &from, buf, sizeof buf, &h);
-    run(&loop, s);
-    ck_assert_int_gt(h.n, 0);
+    store_open_job(store, job, &small);
+    put_unit(job, 0, 3, 3);
+    run();
+    ck_assert_int_eq(heard.jobs, 1);
+    ck_assert_int_eq(heard.rows, 1);
+    read_all(&from, buf, sizeof buf);
+    run();
+    ck_assert_int_gt(heard.n, 0);
     ck_assert_int_eq(
-        rad_hdr_read((uint8_t *)buf, (size_t)h.n, 1000, &pic, NULL), 0);
+        rad_hdr_read((uint8_t *)buf, (size_t)heard.n, 1000, &pic, NULL), 0);
     ck_assert_float_gt(pic.L[0].r, 1.9f);
     ck_assert_float_eq(pic.L[3 * W].r, 0); /* has not come */
     rad_picture_release(&pic);
 
-    put_unit(s, job, 1, 3, 4); /* a distance that the job has not */
-    run(&loop, s);
-    ck_assert_int_eq(h.status, 76);
-    put_unit(s, job, 1, 3, 3);
-    store_write_picture(s, job, 5, 0);
+    put_unit(job, 1, 3, 4); /* a distance that the job has not */
+    run();
+    ck_assert_int_eq(heard.status, 76);
+    put_unit(job, 1, 3, 3);
+    store_write_picture(store, job, 5, 0);
     from.what = MSG_WHAT_PICTURE;
-    read_all(s, &from, buf, sizeof buf, &h);
-    run(&loop, s);
-    ck_assert_int_eq(h.status, 0);
-    ck_assert_int_eq(h.pictures, 1);
-    ck_assert_uint_eq((uint64_t)h.n, h.size);
+    read_all(&from, buf, sizeof buf);
+    run();
+    ck_assert_int_eq(heard.status, 0);
+    ck_assert_int_eq(heard.pictures, 1);
+    ck_assert_uint_eq((uint64_t)heard.n, heard.size);
     ck_assert_int_eq(
-        rad_hdr_read((uint8_t *)buf, (size_t)h.n, 1000, &pic, NULL), 0);
+        rad_hdr_read((uint8_t *)buf, (size_t)heard.n, 1000, &pic, NULL), 0);
     ck_assert_float_gt(pic.L[W * H - 1].r, 1.9f);
     rad_picture_release(&pic);
 
-    store_forget_job(s, &(struct saved_gone){ .job = { 1, 2, 3 } });
-    read_all(s, &from, buf, sizeof buf, &h);
-    run(&loop, s);
-    ck_assert_int_lt(h.n, 0);
+    store_forget_job(store, &(struct saved_gone){ .job = { 1, 2, 3 } });
+    read_all(&from, buf, sizeof buf);
+    run();
+    ck_assert_int_lt(heard.n, 0);
 }
 
 TEST(pieces_of_a_preview_are_of_one_file)
@@ -321,25 +318,26 @@ TEST(pieces_of_a_preview_are_of_one_file)
     char buf[4096], more[4096];
 
     open_store(false);
-    store_open_job(s, job, &small);
-    put_unit(s, job, 0, 3, 3);
-    store_read(s, &slow, buf, 100, on_read, &h);
-    run(&loop, s);
-    ck_assert_int_eq(h.n, 100);
-    ck_assert_uint_gt(h.size, 100);
+    store_open_job(store, job, &small);
+    put_unit(job, 0, 3, 3);
+    store_read(store, &slow, buf, 100, on_read, &heard);
+    run();
+    ck_assert_int_eq(heard.n, 100);
+    ck_assert_uint_gt(heard.size, 100);
 
-    put_unit(s, job, 1, 3, 3);
-    store_read(s, &other, more, sizeof more, on_read, &h);
-    run(&loop, s);
-    ck_assert_uint_eq((uint64_t)h.n, h.size);
+    put_unit(job, 1, 3, 3);
+    store_read(store, &other, more, sizeof more, on_read, &heard);
+    run();
+    ck_assert_uint_eq((uint64_t)heard.n, heard.size);
     store_reading_release(&other);
-    store_write_picture(s, job, 5, 0);
-    store_end_job(s, &small, strdup("{}"), 2);
-    run(&loop, s);
-    store_read(s, &slow, buf + 100, sizeof buf - 100, on_read, &h);
-    run(&loop, s);
-    ck_assert_uint_eq((uint64_t)h.n + 100, h.size);
-    ck_assert_int_eq(rad_hdr_read((uint8_t *)buf, h.size, 1000, &pic, NULL), 0);
+    store_write_picture(store, job, 5, 0);
+    store_end_job(store, &small, strdup("{}"), 2);
+    run();
+    store_read(store, &slow, buf + 100, sizeof buf - 100, on_read, &heard);
+    run();
+    ck_assert_uint_eq((uint64_t)heard.n + 100, heard.size);
+    ck_assert_int_eq(rad_hdr_read((uint8_t *)buf, heard.size, 1000, &pic, NULL),
+                     0);
     ck_assert_float_gt(pic.L[0].r, 1.9f);
     ck_assert_float_eq(pic.L[3 * W].r, 0); /* had not come */
     rad_picture_release(&pic);
@@ -353,20 +351,20 @@ TEST(few_previews_are_read_at_a_time)
     char buf[1];
 
     open_store(false);
-    store_open_job(s, (const uint8_t[MSG_JOB]){ 1 }, &small);
-    put_unit(s, (const uint8_t[MSG_JOB]){ 1 }, 0, 3, 3);
+    store_open_job(store, (const uint8_t[MSG_JOB]){ 1 }, &small);
+    put_unit((const uint8_t[MSG_JOB]){ 1 }, 0, 3, 3);
     for (int i = 0; i <= MOST; i++) {
         r[i] = (struct store_reading){ .from = { .job = { 1 },
                                                  .what = MSG_WHAT_PREVIEW } };
-        store_read(s, &r[i], buf, 1, on_read, &h);
-        run(&loop, s);
-        ck_assert_int_eq(h.n, i < MOST ? 1 : -1);
+        store_read(store, &r[i], buf, 1, on_read, &heard);
+        run();
+        ck_assert_int_eq(heard.n, i < MOST ? 1 : -1);
     }
-    ck_assert_int_eq(h.read_status, EX_TEMPFAIL);
+    ck_assert_int_eq(heard.read_status, EX_TEMPFAIL);
     store_reading_release(&r[0]);
-    store_read(s, &r[MOST], buf, 1, on_read, &h);
-    run(&loop, s);
-    ck_assert_int_eq(h.n, 1);
+    store_read(store, &r[MOST], buf, 1, on_read, &heard);
+    run();
+    ck_assert_int_eq(heard.n, 1);
     for (int i = 0; i <= MOST; i++)
         store_reading_release(&r[i]);
 }
@@ -391,20 +389,20 @@ TEST(a_preview_waits_for_no_room_on_the_disk)
     char buf[4096], path[300], hex[MSG_JOB_HEX];
 
     open_store(true);
-    store_open_job(s, job, &small);
-    put_unit(s, job, 0, 3, 3);
-    run(&loop, s);
+    store_open_job(store, job, &small);
+    put_unit(job, 0, 3, 3);
+    run();
     msg_job_format(job, hex);
     snprintf(path, sizeof path, "%s/jobs/%s/0.preview.tmp", dir, hex);
     ck_assert_int_eq(symlink("/dev/full", path), 0);
-    read_all(s, &from, buf, sizeof buf, &h);
-    run(&loop, s);
-    ck_assert_int_eq(h.n, -1);
-    ck_assert_int_eq(h.read_status, EX_TEMPFAIL);
-    ck_assert(!h.full); /* no job is held */
-    read_all(s, &from, buf, sizeof buf, &h);
-    run(&loop, s);
-    ck_assert_int_gt(h.n, 0);
+    read_all(&from, buf, sizeof buf);
+    run();
+    ck_assert_int_eq(heard.n, -1);
+    ck_assert_int_eq(heard.read_status, EX_TEMPFAIL);
+    ck_assert(!heard.full); /* no job is held */
+    read_all(&from, buf, sizeof buf);
+    run();
+    ck_assert_int_gt(heard.n, 0);
 }
 
 /* --- files that go --- */
@@ -432,8 +430,8 @@ sweep(const char *needed)
 
     ck_assert_ptr_nonnull(keep);
     digest_of(needed, keep);
-    store_sweep(s, keep, 1, 3600);
-    run(&loop, s);
+    store_sweep(store, keep, 1, 3600);
+    run();
 }
 
 TEST(files_that_no_job_needs_go_after_a_day)
@@ -441,22 +439,17 @@ TEST(files_that_no_job_needs_go_after_a_day)
     static const char *const texts[] = { "needed", "asked for", "new",
                                          "forgotten", "old" };
     uint8_t asked[MSG_HASH];
-    FILE *f;
-    char path[200];
 
     open_store(true);
     for (int i = 0; i < N_ELEM(texts); i++)
-        put_file(s, texts[i], texts[i]);
-    run(&loop, s);
+        put_file(texts[i], texts[i]);
+    run();
     for (int i = 0; i < N_ELEM(texts); i++)
         if (strcmp(texts[i], "new") != 0)
             make_old(texts[i], 3600 + 60);
-    snprintf(path, sizeof path, "%s/files/a note of somebody's", dir);
-    f = fopen(path, "w");
-    ck_assert_ptr_nonnull(f);
-    fclose(f);
+    scratch_file("files/a note of somebody's", "");
     digest_of("asked for", asked);
-    ck_assert(store_check_file(s, asked));
+    ck_assert(store_check_file(store, asked));
     sweep("needed");
     ck_assert(has_text("needed") && has_text("asked for") && has_text("new"));
     ck_assert(!has_text("forgotten") && !has_text("old"));
@@ -469,8 +462,8 @@ TEST(a_file_of_the_future_is_new)
     struct stat st;
 
     open_store(true);
-    put_file(s, "ahead", "ahead");
-    run(&loop, s);
+    put_file("ahead", "ahead");
+    run();
     make_old("ahead", -1000000);
     sweep("needed");
     ck_assert_int_eq(stat(place_of("ahead"), &st), 0);

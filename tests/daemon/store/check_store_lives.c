@@ -40,54 +40,57 @@ note_job(void *arg, const struct saved_job *s, struct rad_error *err)
 }
 
 static int
-recover(struct store *s, struct saved_job *job, struct rad_error *err)
+recover(struct saved_job *job, struct rad_error *err)
 {
     uint64_t date_ms = 1000, epoch;
-    int rc = store_begin_life(s, &date_ms, &epoch, err);
+    int rc = store_begin_life(store, &date_ms, &epoch, err);
 
     memset(job, 0, sizeof *job);
-    return rc == 0 ? store_recover(s, date_ms, note_job, job, err) : rc;
+    return rc == 0 ? store_recover(store, date_ms, note_job, job, err) : rc;
+}
+
+/* Begin a life of the store. */
+static void
+live(struct saved_job *job)
+{
+    open_kept();
+    ck_assert_int_eq(recover(job, NULL), 0);
 }
 
 static void
-make_kept(uv_loop_t *loop, struct store **s, struct heard *h)
+make_kept(void)
 {
     struct saved_job none;
 
-    open_kept(loop, s, h);
-    ck_assert_int_eq(recover(*s, &none, NULL), 0);
-    open_job(*s);
-    put_unit(*s, kept_job, 0, 3, 3);
-    run(loop, *s);
-    ck_assert_int_eq(h->jobs, 1);
-    ck_assert_int_eq(h->rows, 1);
-    ck_assert_int_eq(h->status, 0);
+    live(&none);
+    open_job();
+    put_unit(kept_job, 0, 3, 3);
+    run();
+    ck_assert_int_eq(heard.jobs, 1);
+    ck_assert_int_eq(heard.rows, 1);
+    ck_assert_int_eq(heard.status, 0);
 }
 
 TEST(a_job_goes_on_in_another_life)
 {
     struct saved_job job;
-    struct heard h;
     uint8_t row[W * 3 * 4];
     float px[3];
-    uv_loop_t loop;
-    struct store *s;
 
-    make_kept(&loop, &s, &h);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    make_kept();
+    close_kept();
+    live(&job);
     ck_assert_uint_eq(job.nunits, 1);
     ck_assert_uint_eq(job.lives, 1);
-    ck_assert(store_read_row(s, kept_job, 0, 2, row));
+    ck_assert(store_read_row(store, kept_job, 0, 2, row));
     wire_floats_get(px, row, 3);
     ck_assert_float_eq(px[0], 2);
-    put_unit(s, kept_job, 1, 3, 3);
-    store_write_picture(s, kept_job, 5, 0);
-    store_settle(s, 5, 44);
-    close_kept(&loop, s);
-    ck_assert_int_eq(h.pictures, 1);
-    ck_assert_uint_eq(h.settled, 44);
+    put_unit(kept_job, 1, 3, 3);
+    store_write_picture(store, kept_job, 5, 0);
+    store_settle(store, 5, 44);
+    close_kept();
+    ck_assert_int_eq(heard.pictures, 1);
+    ck_assert_uint_eq(heard.settled, 44);
     ck_assert(is_there("jobs/09080700000000000000000000000000/0.hdr"));
     ck_assert(!is_there("jobs/09080700000000000000000000000000/0.rows"));
 }
@@ -95,21 +98,18 @@ TEST(a_job_goes_on_in_another_life)
 TEST(a_picture_that_is_damaged_is_not_given_out)
 {
     struct store_source from = { .what = MSG_WHAT_PICTURE };
-    struct heard h;
     char buf[2000], path[200];
-    uv_loop_t loop;
-    struct store *s;
     FILE *f;
     int c;
 
     memcpy(from.job, kept_job, MSG_JOB);
-    make_kept(&loop, &s, &h);
-    put_unit(s, kept_job, 1, 3, 3);
-    store_write_picture(s, kept_job, 5, 0);
-    read_all(s, &from, buf, sizeof buf, &h);
-    run(&loop, s);
-    ck_assert_int_eq(h.read_status, 0);
-    ck_assert_int_eq(h.n, (ssize_t)h.size);
+    make_kept();
+    put_unit(kept_job, 1, 3, 3);
+    store_write_picture(store, kept_job, 5, 0);
+    read_all(&from, buf, sizeof buf);
+    run();
+    ck_assert_int_eq(heard.read_status, 0);
+    ck_assert_int_eq(heard.n, (ssize_t)heard.size);
     snprintf(path, sizeof path, "%s/" KEPT_DIR "/0.hdr", dir);
     f = fopen(path, "r+");
     ck_assert_ptr_nonnull(f);
@@ -118,10 +118,10 @@ TEST(a_picture_that_is_damaged_is_not_given_out)
     fseek(f, -1, SEEK_END);
     fputc(c ^ 1, f);
     fclose(f);
-    read_all(s, &from, buf, sizeof buf, &h);
-    run(&loop, s);
-    ck_assert_int_eq(h.read_status, EX_IOERR);
-    close_kept(&loop, s);
+    read_all(&from, buf, sizeof buf);
+    run();
+    ck_assert_int_eq(heard.read_status, EX_IOERR);
+    close_kept();
 }
 
 /* Its pictures may be all that is left of another state folder. */
@@ -129,47 +129,39 @@ TEST(a_job_that_the_database_does_not_know_is_not_removed)
 {
     struct rad_error err = { 0 };
     struct saved_job none;
-    struct heard h;
     char command[300];
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
+    open_kept();
     snprintf(command, sizeof command,
              "mkdir %s/" KEPT_DIR " && touch %s/" KEPT_DIR "/0.hdr", dir, dir);
     ck_assert_int_eq(system(command), 0);
-    ck_assert_int_eq(recover(s, &none, &err), RAD_EDATA);
+    ck_assert_int_eq(recover(&none, &err), RAD_EDATA);
     ck_assert(is_there(KEPT_DIR "/0.hdr"));
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* Nobody could fetch a picture of them. */
 TEST(of_sensor_points_the_values_alone_are_kept)
 {
     struct saved_job job;
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
-    open_job_as(s, MSG_JOB_DEPTH | MSG_JOB_POINTS);
-    put_unit(s, kept_job, 0, 3, 4);
-    put_unit(s, kept_job, 1, 3, 4);
-    store_write_picture(s, kept_job, 5, 0);
-    run(&loop, s);
-    ck_assert_int_eq(h.pictures, 1);
+    live(&job);
+    open_job_as(MSG_JOB_DEPTH | MSG_JOB_POINTS);
+    put_unit(kept_job, 0, 3, 4);
+    put_unit(kept_job, 1, 3, 4);
+    store_write_picture(store, kept_job, 5, 0);
+    run();
+    ck_assert_int_eq(heard.pictures, 1);
     ck_assert(is_there(KEPT_DIR "/0.z"));
     ck_assert(!is_there(KEPT_DIR "/0.hdr"));
     for (int life = 0; life < 2; life++) {
         if (life == 1)
-            end_job(s);
-        close_kept(&loop, s);
-        open_kept(&loop, &s, &h);
-        ck_assert_int_eq(recover(s, &job, NULL), 0);
+            end_job();
+        close_kept();
+        live(&job);
         ck_assert_int_eq(job.state == JOB_CANCELLED, life);
     }
-    close_kept(&loop, s);
+    close_kept();
 }
 
 TEST(a_job_that_is_over_is_remembered_and_forgotten)
@@ -181,51 +173,42 @@ TEST(a_job_that_is_over_is_remembered_and_forgotten)
                                   .status = 70,
                                   .text = "it was too late",
                                   .last = { .state = 4, .rays = 17 } };
-    struct heard h;
     char buf[100];
-    uv_loop_t loop;
-    struct store *s;
 
     memcpy(from.job, kept_job, MSG_JOB);
-    make_kept(&loop, &s, &h);
-    store_end_job(s, &end, strdup("{ }"), 3);
-    close_kept(&loop, s);
-    ck_assert_int_eq(h.filed, 1);
-    ck_assert_uint_eq(h.sequence, 6);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    make_kept();
+    store_end_job(store, &end, strdup("{ }"), 3);
+    close_kept();
+    ck_assert_int_eq(heard.filed, 1);
+    ck_assert_uint_eq(heard.sequence, 6);
+    live(&job);
     ck_assert_uint_eq(job.state, 4);
     ck_assert_int_eq(job.status, 70);
     ck_assert_uint_eq(job.last.rays, 17);
-    read_all(s, &from, buf, sizeof buf, &h);
-    run(&loop, s);
-    ck_assert_int_eq(h.n, 3);
-    store_forget_job(s, &(struct saved_gone){ .job = { 9, 8, 7 } });
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    read_all(&from, buf, sizeof buf);
+    run();
+    ck_assert_int_eq(heard.n, 3);
+    store_forget_job(store, &(struct saved_gone){ .job = { 9, 8, 7 } });
+    close_kept();
+    live(&job);
     ck_assert_ptr_null(job.spec.job);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* Without its rows and their room, which are removed when the end is noted. */
 TEST(what_a_job_that_is_over_takes_is_known_in_another_life)
 {
     struct saved_job job;
-    struct heard h;
     uint64_t bytes;
-    uv_loop_t loop;
-    struct store *s;
 
-    make_kept(&loop, &s, &h);
-    end_job(s);
-    run(&loop, s);
-    bytes = h.size;
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    make_kept();
+    end_job();
+    run();
+    bytes = heard.size;
+    close_kept();
+    live(&job);
     ck_assert_uint_eq(job.kept_bytes, bytes);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* How far the database was with a job whose folder was being removed when the
@@ -244,23 +227,20 @@ die_forgetting(enum unsettled how)
 {
     struct saved_job none;
     char path[200];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
     if (how == UNSETTLED_JOB || how == UNSETTLED_NEW) {
-        open_kept(&loop, &s, &h);
-        recover(s, &none, NULL);
+        open_kept();
+        recover(&none, NULL);
         snprintf(path, sizeof path, "%s/" KEPT_DIR "%s", dir,
                  how == UNSETTLED_NEW ? "" : ".gone");
         ck_assert_int_eq(mkdir(path, 0700), 0);
         kill(getpid(), SIGKILL);
     }
-    make_kept(&loop, &s, &h);
-    end_job(s);
+    make_kept();
+    end_job();
     if (how == UNSETTLED_STRIKE)
-        run(&loop, s);
-    forget_job(s);
+        run();
+    forget_job();
     while (!is_there(KEPT_DIR ".gone"))
         uv_run(&loop, UV_RUN_NOWAIT);
     kill(getpid(), SIGKILL);
@@ -279,9 +259,6 @@ RANGE_TEST(a_job_that_was_being_forgotten_is_no_damage, UNSETTLED_JOB,
     struct rad_error err = { 0 };
     struct statecheck found;
     struct saved_job job;
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
     pid_t pid = fork();
     int status;
 
@@ -291,25 +268,23 @@ RANGE_TEST(a_job_that_was_being_forgotten_is_no_damage, UNSETTLED_JOB,
     ck_assert(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
     ck_assert_int_eq(statecheck_run(dir, &found, tell_problem, NULL, &err), 0);
     ck_assert_uint_eq(found.jobs, 0);
-    open_kept(&loop, &s, &h);
-    ck_assert_msg(recover(s, &job, &err) == 0, "%s: %s", err.where, err.what);
+    open_kept();
+    ck_assert_msg(recover(&job, &err) == 0, "%s: %s", err.where, err.what);
     ck_assert_ptr_null(job.spec.job);
     ck_assert(!is_there(KEPT_DIR));
     ck_assert(!is_there(KEPT_DIR ".gone"));
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* The job takes rows, and has them in another life. */
 static void
-keeps_a_unit(uv_loop_t *loop, struct store **s, struct heard *h,
-             struct saved_job *job)
+keeps_a_unit(struct saved_job *job)
 {
-    put_unit(*s, kept_job, 0, 3, 3);
-    run(loop, *s);
-    ck_assert_int_eq(h->status, 0);
-    close_kept(loop, *s);
-    open_kept(loop, s, h);
-    ck_assert_int_eq(recover(*s, job, NULL), 0);
+    put_unit(kept_job, 0, 3, 3);
+    run();
+    ck_assert_int_eq(heard.status, 0);
+    close_kept();
+    live(job);
     ck_assert_uint_eq(job->nunits, 1);
 }
 
@@ -327,25 +302,22 @@ TEST(an_id_that_is_forgotten_twice_is_recorded_as_it_was_last)
 {
     struct store_handler hears = handler;
     struct saved_job job;
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
     hears.gone = note_gone;
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    live(&job);
     for (enum gone_why why = GONE_MANY; why <= GONE_OLD; why++) {
-        open_job(s);
-        run(&loop, s);
-        end_job(s);
-        store_forget_job(s, &(struct saved_gone){ { 9, 8, 7 }, .why = why });
+        open_job();
+        run();
+        end_job();
+        store_forget_job(store,
+                         &(struct saved_gone){ { 9, 8, 7 }, .why = why });
     }
-    close_kept(&loop, s);
-    open_for(&loop, &s, &hears, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
-    ck_assert_int_eq(h.files, 1);
-    ck_assert_int_eq(h.status, GONE_OLD);
-    close_kept(&loop, s);
+    close_kept();
+    open_for(&hears);
+    ck_assert_int_eq(recover(&job, NULL), 0);
+    ck_assert_int_eq(heard.files, 1);
+    ck_assert_int_eq(heard.status, GONE_OLD);
+    close_kept();
 }
 
 /* Of an earlier job of the same id, which is long forgotten, a file could not
@@ -356,14 +328,10 @@ TEST(what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id)
     struct statecheck found;
     struct saved_job job;
     char command[200];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
-    open_job(s);
-    close_kept(&loop, s);
+    live(&job);
+    open_job();
+    close_kept();
     snprintf(command, sizeof command,
              "cd %s && mkdir " KEPT_DIR ".gone && touch " KEPT_DIR
              ".gone/0.hdr",
@@ -371,12 +339,11 @@ TEST(what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id)
     ck_assert_int_eq(system(command), 0);
     ck_assert_int_eq(statecheck_run(dir, &found, tell_problem, NULL, &err), 0);
     ck_assert_uint_eq(found.jobs, 1);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    live(&job);
     ck_assert_ptr_nonnull(job.spec.job);
     ck_assert(!is_there(KEPT_DIR ".gone"));
     ck_assert(is_there(KEPT_DIR "/room"));
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* How many more files the folder of the job has that is being forgotten, and
@@ -395,35 +362,29 @@ LOOP_TEST(a_job_may_have_the_id_of_one_that_is_being_forgotten,
           N_ELEM(old_jobs))
 {
     struct saved_job job;
-    struct heard h;
-    char path[200];
-    uv_loop_t loop;
-    struct store *s;
-    FILE *f;
+    char name[100];
 
-    make_kept(&loop, &s, &h);
-    end_job(s);
-    run(&loop, s);
+    make_kept();
+    end_job();
+    run();
     for (int i = 0; i < old_jobs[_i].files; i++) {
-        snprintf(path, sizeof path, "%s/" KEPT_DIR "/%d.hdr", dir, i + 1);
-        f = fopen(path, "w");
-        ck_assert_ptr_nonnull(f);
-        fclose(f);
+        snprintf(name, sizeof name, KEPT_DIR "/%d.hdr", i + 1);
+        scratch_file(name, "");
     }
-    h.jobs = 0;
-    forget_job(s);
-    store_settle(s, 5, 44);
-    while (old_jobs[_i].answered && h.settled != 44)
+    heard.jobs = 0;
+    forget_job();
+    store_settle(store, 5, 44);
+    while (old_jobs[_i].answered && heard.settled != 44)
         uv_run(&loop, UV_RUN_ONCE);
-    open_job(s);
-    store_put_state(s, kept_job, 2, 7);
-    run(&loop, s);
-    ck_assert_int_eq(h.jobs, 1);
+    open_job();
+    store_put_state(store, kept_job, 2, 7);
+    run();
+    ck_assert_int_eq(heard.jobs, 1);
     ck_assert(!is_there(KEPT_DIR ".gone"));
-    keeps_a_unit(&loop, &s, &h, &job);
+    keeps_a_unit(&job);
     ck_assert_int_eq(job.state, 2);
     ck_assert_int_eq(job.spec.priority, 7);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 static void
@@ -440,17 +401,16 @@ count_jobs(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence, int status,
 
 /* Open a store and a job in it; openings are counted from the first one on. */
 static void
-open_counted(uv_loop_t *loop, struct store **s, struct store_handler *counts,
-             struct heard *h)
+open_counted(struct store_handler *counts)
 {
     struct saved_job job;
 
     *counts = handler;
     counts->job = count_jobs;
-    open_for(loop, s, counts, h);
-    ck_assert_int_eq(recover(*s, &job, NULL), 0);
-    open_job(*s);
-    run(loop, *s);
+    open_for(counts);
+    ck_assert_int_eq(recover(&job, NULL), 0);
+    open_job();
+    run();
 }
 
 /* The second of three jobs that have one id is over, and forgotten, while its
@@ -459,20 +419,17 @@ TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
 {
     struct store_handler counts;
     struct saved_job job;
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_counted(&loop, &s, &counts, &h);
+    open_counted(&counts);
     for (int i = 0; i < 2; i++) {
-        end_job(s);
-        forget_job(s);
-        open_job(s);
+        end_job();
+        forget_job();
+        open_job();
     }
-    run(&loop, s);
-    ck_assert_int_eq(h.jobs, 2);
-    keeps_a_unit(&loop, &s, &h, &job);
-    close_kept(&loop, s);
+    run();
+    ck_assert_int_eq(heard.jobs, 2);
+    keeps_a_unit(&job);
+    close_kept();
 }
 
 /* Else the folder of the new job would stay, too, when that is forgotten. */
@@ -481,26 +438,23 @@ TEST(while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again)
     struct store_handler counts;
     struct saved_job job;
     char folder[200];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_counted(&loop, &s, &counts, &h);
+    open_counted(&counts);
     snprintf(folder, sizeof folder, "%s/" KEPT_DIR "/folder", dir);
     ck_assert_int_eq(mkdir(folder, 0700), 0); /* not removed with the files */
-    end_job(s);
-    forget_job(s);
-    open_job(s);
-    run(&loop, s);
-    ck_assert_int_eq(h.jobs, 1);
+    end_job();
+    forget_job();
+    open_job();
+    run();
+    ck_assert_int_eq(heard.jobs, 1);
     ck_assert(!is_there(KEPT_DIR));
     snprintf(folder, sizeof folder, "%s/" KEPT_DIR ".gone/folder", dir);
     ck_assert_int_eq(rmdir(folder), 0);
-    open_job(s);
-    run(&loop, s);
-    ck_assert_int_eq(h.jobs, 2);
-    keeps_a_unit(&loop, &s, &h, &job);
-    close_kept(&loop, s);
+    open_job();
+    run();
+    ck_assert_int_eq(heard.jobs, 2);
+    keeps_a_unit(&job);
+    close_kept();
 }
 
 static int
@@ -557,13 +511,9 @@ fdatasync(int fd)
 
 TEST(a_new_folder_lasts)
 {
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
-
-    open_kept(&loop, &s, &h);
+    open_kept();
     ck_assert(names_synced);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* It was killed after it had named a file, and before the file was synced.  A
@@ -576,32 +526,29 @@ TEST(a_file_that_a_killed_store_left_lasts_before_it_counts)
                                 .nlook = 1,
                                 .files = { 1, digest } };
     char hex[RAD_SHA_HEX + 1], path[200];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
     FILE *f;
 
     hash_of(zeros, sizeof zeros, hex);
     rad_sha_from_hex(hex, digest);
     snprintf(one_file, sizeof one_file, "files/%s", hex);
-    open_kept(&loop, &s, &h);
-    close_kept(&loop, s);
+    open_kept();
+    close_kept();
     snprintf(path, sizeof path, "%s/%s", dir, one_file);
     f = fopen(path, "w");
     ck_assert_ptr_nonnull(f);
     fwrite(zeros, 1, sizeof zeros, f);
     fclose(f);
     files_synced = file_synced = false;
-    open_kept(&loop, &s, &h);
+    open_kept();
     ck_assert(files_synced);
     for (int i = 2; i-- > 0;) {
         file_fails = i;
-        ck_assert(!store_look(s, &look));
-        run(&loop, s);
+        ck_assert(!store_look(store, &look));
+        run();
     }
-    ck_assert(store_look(s, &look)); /* from now on it is known */
+    ck_assert(store_look(store, &look)); /* from now on it is known */
     ck_assert(file_synced);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* In place of the C library's: each other call is interrupted by a signal, as a
@@ -618,25 +565,21 @@ posix_fallocate(int fd, off_t at, off_t n)
 
 TEST(a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power)
 {
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
-
-    make_kept(&loop, &s, &h);
-    end_job(s);
-    run(&loop, s);
+    make_kept();
+    end_job();
+    run();
     jobs_synced = false;
-    forget_job(s);
-    store_settle(s, 5, 44);
-    while (h.settled != 44)
+    forget_job();
+    store_settle(store, 5, 44);
+    while (heard.settled != 44)
         uv_run(&loop, UV_RUN_ONCE);
     ck_assert(jobs_synced);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* Leave a job that is done, with a cache of so many bytes. */
 static void
-make_cache(uv_loop_t *loop, struct store *s, size_t bytes)
+make_cache(size_t bytes)
 {
     uint8_t *records = calloc(1, bytes);
     struct saved_job done = { .spec = kept_spec,
@@ -645,12 +588,12 @@ make_cache(uv_loop_t *loop, struct store *s, size_t bytes)
                               .cache_bytes = bytes,
                               .keep = { 0, 1, 1 } };
 
-    open_job(s);
-    run(loop, s);
-    store_put_pass(s, kept_job, 0,
+    open_job();
+    run();
+    store_put_pass(store, kept_job, 0,
                    &(struct saved_pass){ .bytes = records, .len = bytes });
-    store_end_job(s, &done, strdup("{ }"), 3);
-    run(loop, s);
+    store_end_job(store, &done, strdup("{ }"), 3);
+    run();
     free(records);
     ck_assert(is_there(KEPT_DIR "/kept"));
     ck_assert(cache_synced);
@@ -682,31 +625,28 @@ TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
                                        .nframes = 1 },
                              .owner = "ana" };
     struct store_handler counts = handler;
-    struct heard h;
     int nopen = 0;
-    uv_loop_t loop;
-    struct store *s;
 
     signal(SIGXFSZ, SIG_IGN);
     counts.job = count_jobs;
     counts.waits = count_waits;
-    open_for(&loop, &s, &counts, &h);
-    ck_assert_int_eq(store_recover(s, 1, count_open, &nopen, NULL), 0);
-    make_cache(&loop, s, 2 << 20);
-    h.jobs = 0;
+    open_for(&counts);
+    ck_assert_int_eq(store_recover(store, 1, count_open, &nopen, NULL), 0);
+    make_cache(2 << 20);
+    heard.jobs = 0;
     limit_files(1 << 20);
-    store_open_job(s, second, &job);
-    while (h.waits == 0)
+    store_open_job(store, second, &job);
+    while (heard.waits == 0)
         uv_run(&loop, UV_RUN_ONCE);
     job.state = job.last.state = 5;
-    store_end_job(s, &job, strdup("{ }"), 3);
+    store_end_job(store, &job, strdup("{ }"), 3);
     limit_files(RLIM_INFINITY);
-    close_kept(&loop, s);
-    ck_assert_int_eq(h.jobs, 0);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, count_open, &nopen, NULL), 0);
+    close_kept();
+    ck_assert_int_eq(heard.jobs, 0);
+    open_kept();
+    ck_assert_int_eq(store_recover(store, 1, count_open, &nopen, NULL), 0);
     ck_assert_int_eq(nopen, 0);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* What somebody may do to a state folder, and what is said of it. */
@@ -724,20 +664,17 @@ LOOP_TEST(a_damaged_folder_is_refused, N_ELEM(damages))
 {
     struct rad_error err = { 0 };
     struct saved_job job;
-    struct heard h;
     char command[200];
-    uv_loop_t loop;
-    struct store *s;
 
-    make_kept(&loop, &s, &h);
-    close_kept(&loop, s);
+    make_kept();
+    close_kept();
     snprintf(command, sizeof command, "cd %s && %s", dir, damages[_i].command);
     ck_assert_int_eq(system(command), 0);
     uv_loop_init(&loop);
-    s = store_open(&loop, dir, true, &handler, &h, &err);
-    if (s) {
-        ck_assert_int_lt(recover(s, &job, &err), 0);
-        store_close(s);
+    store = store_open(&loop, dir, true, &handler, &heard, &err);
+    if (store) {
+        ck_assert_int_lt(recover(&job, &err), 0);
+        store_close(store);
     }
     uv_loop_close(&loop);
     ck_assert_int_eq(err.code, RAD_EDATA);
@@ -773,23 +710,19 @@ TEST(passes_that_cannot_be_read_for_a_shortage_are_not_lost)
 {
     struct rad_error err = { 0 };
     struct saved_job job;
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    make_kept(&loop, &s, &h);
-    store_put_pass(s, kept_job, 0,
+    make_kept();
+    store_put_pass(store, kept_job, 0,
                    &(struct saved_pass){ .bytes = kept_job, .len = 3 });
-    close_kept(&loop, s);
+    close_kept();
     no_descriptor = true;
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, &err), RAD_ESHORT);
-    close_kept(&loop, s);
+    open_kept();
+    ck_assert_int_eq(recover(&job, &err), RAD_ESHORT);
+    close_kept();
     no_descriptor = false;
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    live(&job);
     ck_assert_uint_eq(job.npasses, 1);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* No damage, but no job may be left out without a word. */
@@ -797,18 +730,15 @@ TEST(a_folder_in_which_no_room_can_be_kept_is_refused)
 {
     struct rad_error err = { 0 };
     struct saved_job job;
-    struct heard h;
     char path[200];
-    uv_loop_t loop;
-    struct store *s;
 
-    make_kept(&loop, &s, &h);
-    close_kept(&loop, s);
+    make_kept();
+    close_kept();
     snprintf(path, sizeof path, "%s/" KEPT_DIR "/room", dir);
     ck_assert_int_eq(unlink(path), 0);
     ck_assert_int_eq(mkdir(path, 0700), 0);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, &err), RAD_EIO);
+    open_kept();
+    ck_assert_int_eq(recover(&job, &err), RAD_EIO);
     ck_assert_ptr_nonnull(strstr(err.what, "/room"));
-    close_kept(&loop, s);
+    close_kept();
 }

@@ -63,10 +63,10 @@ line_byte(int i)
 }
 
 static void
-keep_units(struct store *s)
+keep_units(void)
 {
     for (uint32_t unit = 0; unit < 2; unit++)
-        store_keep_unit(s, kept_job,
+        store_keep_unit(store, kept_job,
                         &(struct saved_unit){ .unit = unit,
                                               .area = { 0, 0, 3 * unit, W, 3 },
                                               .worker = "ws1" });
@@ -77,7 +77,7 @@ keep_units(struct store *s)
 enum { PIECES = 3 };
 
 static void
-put_piece(struct store *s, int i, bool coded, uint32_t densities)
+put_piece(int i, bool coded, uint32_t densities)
 {
     static const uint32_t first[PIECES] = { 0, 1, 3 }, n[PIECES] = { 1, 2, 3 };
     uint8_t bytes[W * H * 12], code[H * RAD_HDR_ROW_BYTES(W)];
@@ -103,15 +103,15 @@ put_piece(struct store *s, int i, bool coded, uint32_t densities)
         a.line = coded ? bytes : NULL;
     }
     memcpy(a.job, kept_job, MSG_JOB);
-    store_put_rows(s, &a);
+    store_put_rows(store, &a);
 }
 
 static void
-put_pieces(struct store *s, bool coded, uint32_t densities)
+put_pieces(bool coded, uint32_t densities)
 {
-    keep_units(s);
+    keep_units();
     for (int i = 0; i < PIECES; i++)
-        put_piece(s, i, coded, densities);
+        put_piece(i, coded, densities);
 }
 
 static int
@@ -156,24 +156,28 @@ static const struct {
     { false, 0, 0, 0 },
 };
 
+/* Begin a life of the store. */
+static void
+live(uint32_t stored[2])
+{
+    open_kept();
+    ck_assert_int_eq(store_recover(store, 1, note_stored, stored, NULL), 0);
+}
+
 /* Also in lives to come. */
 LOOP_TEST(rows_that_a_disk_has_spoilt_are_none, N_ELEM(spoilt))
 {
     bool coded = spoilt[_i].coded;
     int unit = spoilt[_i].unit;
     uint32_t stored[2];
-    struct heard h;
     char path[200];
-    uv_loop_t loop;
-    struct store *s;
     FILE *f;
 
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    open_job_as(s, coded ? MSG_JOB_CODED : 0);
-    put_pieces(s, coded, spoilt[_i].densities);
-    close_kept(&loop, s);
-    ck_assert_int_eq(h.rows, 3);
+    live(stored);
+    open_job_as(coded ? MSG_JOB_CODED : 0);
+    put_pieces(coded, spoilt[_i].densities);
+    close_kept();
+    ck_assert_int_eq(heard.rows, 3);
     if (spoilt[_i].at >= 0) {
         snprintf(path, sizeof path, "%s/jobs/%s/0.rows", dir,
                  "09080700000000000000000000000000");
@@ -184,9 +188,8 @@ LOOP_TEST(rows_that_a_disk_has_spoilt_are_none, N_ELEM(spoilt))
         ck_assert_int_eq(fclose(f), 0);
     }
     for (int life = 0; life < 2; life++) {
-        open_kept(&loop, &s, &h);
-        ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-        close_kept(&loop, s);
+        live(stored);
+        close_kept();
         ck_assert_uint_eq(stored[0], unit == 0 || unit == 2 ? 0 : 3);
         ck_assert_uint_eq(stored[1], unit == 1 || unit == 2 ? 0 : 3);
     }
@@ -219,51 +222,47 @@ LOOP_TEST(a_job_that_was_given_up_stays_so, 2)
     struct rad_error err = { 0 };
     bool given_up;
     uint32_t stored[2];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    open_job(s);
+    live(stored);
+    open_job();
     if (_i == 0)
-        put_pieces(s, false, 1);
+        put_pieces(false, 1);
     else
-        keep_units(s);
-    run(&loop, s);
+        keep_units();
+    run();
     synced.n = 0;
-    folder_give_up(&s->folder, kept_job);
+    folder_give_up(&store->folder, kept_job);
     check_synced(KEPT_DIR); /* "over" lasts before the rows go */
     ck_assert(!is_there(KEPT_DIR "/0.rows"));
     ck_assert(!is_there(KEPT_DIR "/room"));
-    close_kept(&loop, s);
+    close_kept();
     for (int life = 0; life < 2; life++) {
-        open_kept(&loop, &s, &h);
+        open_kept();
         given_up = false;
-        ck_assert_msg(store_recover(s, 1, note_given_up, &given_up, &err) == 0,
+        ck_assert_msg(store_recover(store, 1, note_given_up, &given_up, &err) ==
+                          0,
                       "%s: %s", err.where, err.what);
         ck_assert(given_up);
         ck_assert(!is_there(KEPT_DIR "/room"));
         if (life == 1)
-            end_job(s);
-        close_kept(&loop, s);
+            end_job();
+        close_kept();
     }
     ck_assert(!is_there(KEPT_DIR "/over"));
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_cancelled, NULL, NULL), 0);
-    close_kept(&loop, s);
+    open_kept();
+    ck_assert_int_eq(store_recover(store, 1, note_cancelled, NULL, NULL), 0);
+    close_kept();
 }
 
 static void
-most_pages(struct store *s, int n)
+most_pages(int n)
 {
     char text[50];
 
     snprintf(text, sizeof text, "PRAGMA max_page_count = %d", n);
-    ck_assert_int_eq(sqlite3_exec(s->journal->db, text, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(sqlite3_exec(store->journal->db, text, NULL, NULL, NULL),
+                     0);
 }
-
-static struct store *full_store;
 
 /* The disk gets room again as soon as a job waits for it. */
 static void
@@ -271,7 +270,7 @@ end_fullness(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
              const char *text)
 {
     count_waits(arg, job, sequence, text);
-    most_pages(full_store, 100000);
+    most_pages(100000);
 }
 
 static void
@@ -280,7 +279,7 @@ end_all_fullness(void *arg, bool full, const char *text)
     (void)arg;
     (void)text;
     if (full)
-        most_pages(full_store, 100000);
+        most_pages(100000);
 }
 
 /* A job whose note is what finds no room; SQLite undoes all that was noted and
@@ -295,34 +294,29 @@ TEST(rows_that_come_when_the_database_is_full_are_noted_once)
                                        .nframes = N_ELEM(frames) } };
     struct store_handler ends = handler;
     uint32_t stored[2];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
     for (int i = 0; i < N_ELEM(frames); i++)
         frames[i] = kept_frame;
     ends.waits = end_fullness;
     ends.fullness = end_all_fullness;
-    open_for(&loop, &s, &ends, &h);
-    full_store = s;
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    open_job(s);
-    run(&loop, s);
-    keep_units(s);
-    put_piece(s, 0, false, 1);
-    run(&loop, s);
-    most_pages(s, 1);
-    store_open_job(s, second, &job);
-    put_piece(s, 1, false, 1);
-    put_piece(s, 2, false, 1);
-    run(&loop, s);
-    ck_assert_int_eq(h.jobs, 2);
-    ck_assert_int_eq(h.rows, 3);
-    forget(s, second);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    close_kept(&loop, s);
+    open_for(&ends);
+    ck_assert_int_eq(store_recover(store, 1, note_stored, stored, NULL), 0);
+    open_job();
+    run();
+    keep_units();
+    put_piece(0, false, 1);
+    run();
+    most_pages(1);
+    store_open_job(store, second, &job);
+    put_piece(1, false, 1);
+    put_piece(2, false, 1);
+    run();
+    ck_assert_int_eq(heard.jobs, 2);
+    ck_assert_int_eq(heard.rows, 3);
+    forget(second);
+    close_kept();
+    live(stored);
+    close_kept();
     ck_assert_uint_eq(stored[0], 3);
     ck_assert_uint_eq(stored[1], 3);
 }
@@ -357,25 +351,22 @@ LOOP_TEST(a_job_gets_the_room_that_the_log_held, 2)
     struct saved_job job = { .spec = kept_spec };
     struct store_handler counts = handler;
     uint32_t stored[2];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
     counts.waits = count_waits;
-    open_for(&loop, &s, &counts, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    open_job(s);
-    run(&loop, s);
+    open_for(&counts);
+    ck_assert_int_eq(store_recover(store, 1, note_stored, stored, NULL), 0);
+    open_job();
+    run();
     small_disk = (1 << 20) / 64 + 2 * W * H * 12; /* with some to spare */
     asked = 0;
     if (_i == 1)
-        keep_units(s);
-    store_open_job(s, second, &job);
-    while (!store_idle(s) && asked < 4)
+        keep_units();
+    store_open_job(store, second, &job);
+    while (!store_idle(store) && asked < 4)
         uv_run(&loop, UV_RUN_ONCE);
-    ck_assert_int_eq(h.waits, 1);
-    ck_assert_int_eq(h.jobs, 2);
-    close_kept(&loop, s);
+    ck_assert_int_eq(heard.waits, 1);
+    ck_assert_int_eq(heard.jobs, 2);
+    close_kept();
     small_disk = 0; /* for tests of the same process */
 }
 
@@ -384,25 +375,20 @@ TEST(a_units_base_line_outlives_the_store)
 {
     uint8_t line[W * 12];
     uint32_t stored[2];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    open_job_as(s, MSG_JOB_CODED);
-    put_pieces(s, true, 1);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
+    live(stored);
+    open_job_as(MSG_JOB_CODED);
+    put_pieces(true, 1);
+    close_kept();
+    live(stored);
     for (uint32_t y = 2; y < H; y += 3) {
-        ck_assert(store_read_row(s, kept_job, 0, y, line));
+        ck_assert(store_read_row(store, kept_job, 0, y, line));
         for (int i = 0; i < N_ELEM(line); i++)
             ck_assert_uint_eq(line[i], line_byte(i));
     }
-    ck_assert(store_read_row(s, kept_job, 0, 1, line));
+    ck_assert(store_read_row(store, kept_job, 0, 1, line));
     ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* What a user or worker is told of a job is on the disk, with the names that
@@ -411,45 +397,41 @@ TEST(what_is_acknowledged_is_synced)
 {
     uint32_t stored[2];
     char file[sizeof "files/" + RAD_SHA_HEX] = "files/";
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
+    live(stored);
     synced.n = 0;
-    put_file(s, "room", "room");
-    run(&loop, s);
+    put_file("room", "room");
+    run();
     hash_of("room", 4, file + strlen(file));
     check_synced(file);
     check_synced("files");
     synced.n = 0;
-    open_job_as(s, MSG_JOB_CODED);
-    run(&loop, s);
+    open_job_as(MSG_JOB_CODED);
+    run();
     check_synced(KEPT_DIR "/room");
     check_synced(KEPT_DIR);
     check_synced("jobs");
     check_synced("radcoord.db-wal");
     synced.n = 0;
-    put_pieces(s, true, 1);
-    run(&loop, s);
-    ck_assert_int_eq(h.rows, PIECES);
+    put_pieces(true, 1);
+    run();
+    ck_assert_int_eq(heard.rows, PIECES);
     check_synced(KEPT_DIR "/0.rows");
     check_synced(KEPT_DIR);
     check_synced("radcoord.db-wal");
     ck_assert(!is_there(KEPT_DIR "/room")); /* the rows have it */
     synced.n = 0;
-    store_write_picture(s, kept_job, 5, 0);
-    run(&loop, s);
+    store_write_picture(store, kept_job, 5, 0);
+    run();
     check_synced(KEPT_DIR "/0.hdr");
     check_synced(KEPT_DIR);
     synced.n = 0;
-    end_job(s);
-    run(&loop, s);
+    end_job();
+    run();
     check_synced(KEPT_DIR "/stats");
     check_synced(KEPT_DIR);
     check_synced("radcoord.db-wal");
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* Rows are made by what such a pass decides. */
@@ -459,29 +441,26 @@ TEST(a_firm_pass_is_synced_and_follows_the_one_before)
         first = { (const uint8_t *)"one", 3, { 0 }, true };
     struct saved_pass later = { (const uint8_t *)"two", 3, { 0 }, false };
     uint32_t stored[2], n;
-    struct heard h;
     uint8_t *bytes;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    open_job(s);
-    run(&loop, s);
+    live(stored);
+    open_job();
+    run();
     synced.n = 0;
-    store_put_pass(s, kept_job, 1, &later); /* the first is missing */
-    store_put_pass(s, kept_job, 0, &first);
-    run(&loop, s);
+    store_put_pass(store, kept_job, 1, &later); /* the first is missing */
+    store_put_pass(store, kept_job, 0, &first);
+    run();
     check_synced(KEPT_DIR "/cache");
     check_synced(KEPT_DIR);
     synced.n = 0;
     ck_assert_int_eq(
-        folder_read_passes(&s->folder, kept_job, pass, &n, &bytes, NULL), 0);
+        folder_read_passes(&store->folder, kept_job, pass, &n, &bytes, NULL),
+        0);
     check_synced(KEPT_DIR "/cache"); /* a killed life may have left it */
     ck_assert_uint_eq(n, 1);
     ck_assert_mem_eq(pass[0].bytes, "one", 3);
     free(bytes);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 TEST(names_in_two_folders_are_synced_in_both)
@@ -489,17 +468,13 @@ TEST(names_in_two_folders_are_synced_in_both)
     static const char *const name[] = { "one/a", "one/b", "two/a" };
     struct syncs all = { 0 };
     char path[200];
-    FILE *f;
 
     for (int i = 0; i < N_ELEM(name); i++) {
         snprintf(path, sizeof path, "%s/%.*s", dir,
                  (int)(strchr(name[i], '/') - name[i]), name[i]);
         ck_assert_int_eq(disk_make_dir(path, NULL), 0);
-        snprintf(path, sizeof path, "%s/%s", dir, name[i]);
-        f = fopen(path, "w");
-        ck_assert_ptr_nonnull(f);
-        fclose(f);
-        ck_assert_int_eq(syncs_add(&all, path, true, NULL), 0);
+        ck_assert_int_eq(syncs_add(&all, scratch_file(name[i], ""), true, NULL),
+                         0);
     }
     synced.n = 0;
     ck_assert_int_eq(syncs_settle(&all, NULL), 0);
@@ -523,25 +498,21 @@ TEST(nothing_of_a_forgotten_job_counts_for_the_next)
     uint32_t stored[2];
     struct rad_error err = { 0 };
     bool is_new = false;
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    open_job(s);
-    put_pieces(s, false, 1);
-    store_write_picture(s, kept_job, 5, 0);
-    run(&loop, s);
-    forget_job(s);
-    run(&loop, s);
-    open_job(s);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_msg(store_recover(s, 1, note_new, &is_new, &err) == 0, "%s",
+    live(stored);
+    open_job();
+    put_pieces(false, 1);
+    store_write_picture(store, kept_job, 5, 0);
+    run();
+    forget_job();
+    run();
+    open_job();
+    close_kept();
+    open_kept();
+    ck_assert_msg(store_recover(store, 1, note_new, &is_new, &err) == 0, "%s",
                   err.what);
     ck_assert(is_new);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* A life that noted unit 1 without unit 0 would leave a folder that the next
@@ -549,27 +520,22 @@ TEST(nothing_of_a_forgotten_job_counts_for_the_next)
 TEST(a_unit_that_cannot_be_noted_ends_the_life)
 {
     uint32_t stored[2];
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
     int status;
     pid_t pid;
 
     if (RAD_SANITIZED)
         return;
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, note_stored, stored, NULL), 0);
-    open_job_as(s, 0);
-    while (!store_idle(s))
-        uv_run(&loop, UV_RUN_ONCE);
+    live(stored);
+    open_job_as(0);
+    run();
     pid = fork();
     if (pid == 0) {
         scarce_at = 1;
-        keep_units(s);
+        keep_units();
         _exit(EX_OK);
     }
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     ck_assert(WIFEXITED(status));
     ck_assert_int_eq(WEXITSTATUS(status), EX_OSERR);
-    close_kept(&loop, s);
+    close_kept();
 }

@@ -20,70 +20,69 @@ static const struct msg_spec kept_spec = { .job = kept_job,
                                            .nframes = 1 };
 
 static inline void
-open_for(uv_loop_t *loop, struct store **s, const struct store_handler *to,
-         struct heard *h)
+open_for(const struct store_handler *to)
 {
     struct rad_error err = { 0 };
 
-    memset(h, 0, sizeof *h);
-    uv_loop_init(loop);
-    *s = store_open(loop, dir, true, to, h, &err);
-    ck_assert_msg(*s != NULL, "%s: %s", err.where, err.what);
+    memset(&heard, 0, sizeof heard);
+    uv_loop_init(&loop);
+    store = store_open(&loop, dir, true, to, &heard, &err);
+    ck_assert_msg(store != NULL, "%s: %s", err.where, err.what);
 }
 
 static inline void
-open_kept(uv_loop_t *loop, struct store **s, struct heard *h)
+open_kept(void)
 {
-    open_for(loop, s, &handler, h);
+    open_for(&handler);
 }
 
 static inline void
-close_kept(uv_loop_t *loop, struct store *s)
+close_kept(void)
 {
-    run(loop, s);
-    store_close(s);
-    ck_assert_int_eq(uv_loop_close(loop), 0);
+    run();
+    store_close(store);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
 
 static inline void
-open_job_as(struct store *s, uint32_t flags)
+open_job_as(uint32_t flags)
 {
     struct saved_job p = { .spec = kept_spec, .owner = "ana" };
 
     p.spec.flags = flags;
-    store_open_job(s, kept_job, &p);
+    store_open_job(store, kept_job, &p);
 }
 
 static inline void
-open_job(struct store *s)
+open_job(void)
 {
-    open_job_as(s, 0);
+    open_job_as(0);
 }
 
 /* End the job as cancelled. */
 static inline void
-end_job(struct store *s)
+end_job(void)
 {
     struct saved_job end = {
         .spec = kept_spec, .sequence = 6, .state = 5, .last = { .state = 5 }
     };
 
-    store_end_job(s, &end, strdup("{ }"), 3);
+    store_end_job(store, &end, strdup("{ }"), 3);
 }
 
 static inline void
-forget(struct store *s, const uint8_t *job)
+forget(const uint8_t *job)
 {
     struct saved_gone gone = { .why = GONE_DELETED };
 
     memcpy(gone.job, job, MSG_JOB);
-    store_forget_job(s, &gone);
+    store_forget_job(store, &gone);
 }
 
 static inline void
-forget_job(struct store *s)
+forget_job(void)
 {
-    forget(s, kept_job);
+    forget(kept_job);
 }
 
 static inline void

@@ -31,6 +31,10 @@ struct heard {
     bool full;
 };
 
+static uv_loop_t loop;
+static struct store *store;
+static struct heard heard; /* by the handler below */
+
 static inline void
 on_file(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
         const char *text)
@@ -93,14 +97,13 @@ on_read(void *arg, ssize_t n, uint64_t size, int status, const char *text)
 
 /* From its beginning, in one piece. */
 static inline void
-read_all(struct store *s, const struct store_source *from, void *buf, size_t n,
-         struct heard *h)
+read_all(const struct store_source *from, void *buf, size_t n)
 {
     static struct store_reading r;
 
     store_reading_release(&r);
     r = (struct store_reading){ .from = *from };
-    store_read(s, &r, buf, n, on_read, h);
+    store_read(store, &r, buf, n, on_read, &heard);
 }
 
 static inline void
@@ -172,14 +175,14 @@ static const struct store_handler handler = { .looked = on_looked,
                                               .fullness = on_fullness };
 
 static inline void
-run(uv_loop_t *loop, struct store *s)
+run(void)
 {
-    while (!store_idle(s))
-        uv_run(loop, UV_RUN_ONCE);
+    while (!store_idle(store))
+        uv_run(&loop, UV_RUN_ONCE);
 }
 
 static inline void
-put_file(struct store *s, const char *text, const char *name)
+put_file(const char *text, const char *name)
 {
     uint8_t digest[MSG_HASH];
     char hex[RAD_SHA_HEX + 1];
@@ -191,7 +194,7 @@ put_file(struct store *s, const char *text, const char *name)
 
     hash_of(name, strlen(name), hex);
     rad_sha_from_hex(hex, digest);
-    store_put_chunk(s, 5, &c);
+    store_put_chunk(store, 5, &c);
 }
 
 static inline bool
@@ -204,8 +207,7 @@ is_there(const char *name)
 }
 
 static inline void
-put_unit(struct store *s, const uint8_t *job, uint32_t unit, uint32_t rows,
-         uint8_t channels)
+put_unit(const uint8_t *job, uint32_t unit, uint32_t rows, uint8_t channels)
 {
     static uint8_t bytes[W * H * 16];
     float px[W * H * 4];
@@ -220,11 +222,11 @@ put_unit(struct store *s, const uint8_t *job, uint32_t unit, uint32_t rows,
         px[i] = 2;
     wire_floats_put(bytes, px, (size_t)W * rows * channels);
     memcpy(a.job, job, MSG_JOB);
-    store_keep_unit(s, job,
+    store_keep_unit(store, job,
                     &(struct saved_unit){ .unit = unit,
                                           .area = { 0, 0, a.y, W, rows },
                                           .worker = "ws1" });
-    store_put_rows(s, &a);
+    store_put_rows(store, &a);
 }
 
 #endif
