@@ -4,6 +4,8 @@ libclient_a_SOURCES += \
 	client/common/figure.h \
 	client/common/inputs.c \
 	client/common/inputs.h \
+	client/common/option.c \
+	client/common/option.h \
 	client/common/outname.c \
 	client/common/outname.h \
 	client/common/table.c \

@@ -5,13 +5,15 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
+#include "common/option.h"
 #include "common/tell.h"
 #include "base/help.h"
-#include "base/number.h"
+#include "base/list.h"
 #include "base/output.h"
 #include "ground/memory.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <poll.h>
 #include <signal.h>
 #include <stddef.h>
@@ -84,58 +86,54 @@ check_role(const struct ctl_command *command, enum msg_role role,
 
 /* --- options --- */
 
-/* The options, the members of struct ctl that they set, and the commands that
- * they go with. */
-static const struct option {
-    const char *name;
-    enum { SWITCH, TEXT, TEXT_OR_NONE, NUMBER } kind;
-    size_t at;
-    int least;        /* least value of a NUMBER */
-    const char *with; /* commas between; NULL: all commands */
-    const char *arg;  /* its value in --help; NULL: it takes none */
-    const char *help;
-} options[] = {
-    { "--coordinator", TEXT, offsetof(struct ctl, coordinator), 0, NULL,
-      "HOST:PORT|SOCKET", "the coordinator (this machine's)" },
-    { "--key", TEXT, offsetof(struct ctl, key), 0, NULL, "FILE",
-      "what to show a coordinator over the network" },
-    { "--json", SWITCH, offsetof(struct ctl, json), 0, NULL, NULL,
-      "print answers as JSON" },
-    { "--keys", TEXT, offsetof(struct ctl, keys), 0, "key, enroll", "FILE",
-      "edit this key file, not the coordinator's" },
-    { "--expires", TEXT, offsetof(struct ctl, expires), 0, "key", "DATE",
-      "when a new key ends: 2027-01-31, at 00:00 UTC" },
-    { "--user", TEXT, offsetof(struct ctl, user), 0,
-      "jobs, limits, key, cancel, delete", "NAME",
-      "jobs, keys or limits of that user" },
-    { "--state", TEXT, offsetof(struct ctl, state), 0, "jobs, workers, key",
-      "STATE", "jobs, workers or keys in that state" },
-    { "--limit", NUMBER, offsetof(struct ctl, limit), 1, "jobs, workers, key",
-      "N", "so many rows at most; of jobs the newest" },
-    { "--all", SWITCH, offsetof(struct ctl, all), 0, "cancel, delete", NULL,
-      "cancel or delete all jobs of yours, or --user's" },
-    { "--output", TEXT, offsetof(struct ctl, folder), 0, "enroll", "DIR",
-      "where enroll makes a folder for each worker" },
-    { "-o", TEXT, offsetof(struct ctl, output), 0, "fetch", "FILE",
+/* The options; .with: the commands that they go with, with commas between;
+ * NULL: all commands. */
+static const struct option options[] = {
+    { "--coordinator", OPTION_TEXT, offsetof(struct ctl, coordinator),
+      "HOST:PORT|SOCKET", "the coordinator (this machine's)", .with = NULL },
+    { "--key", OPTION_TEXT, offsetof(struct ctl, key), "FILE",
+      "what to show a coordinator over the network", .with = NULL },
+    { "--json", OPTION_FLAG, offsetof(struct ctl, json), NULL,
+      "print answers as JSON", .with = NULL },
+    { "--keys", OPTION_TEXT, offsetof(struct ctl, keys), "FILE",
+      "edit this key file, not the coordinator's", .with = "key, enroll" },
+    { "--expires", OPTION_TEXT, offsetof(struct ctl, expires), "DATE",
+      "when a new key ends: 2027-01-31, at 00:00 UTC", .with = "key" },
+    { "--user", OPTION_TEXT, offsetof(struct ctl, user), "NAME",
+      "jobs, keys or limits of that user",
+      .with = "jobs, limits, key, cancel, delete" },
+    { "--state", OPTION_TEXT, offsetof(struct ctl, state), "STATE",
+      "jobs, workers or keys in that state", .with = "jobs, workers, key" },
+    { "--limit", OPTION_INT, offsetof(struct ctl, limit), "N",
+      "so many rows at most; of jobs the newest", .lo = 1, .hi = INT_MAX,
+      .with = "jobs, workers, key" },
+    { "--all", OPTION_FLAG, offsetof(struct ctl, all), NULL,
+      "cancel or delete all jobs of yours, or --user's",
+      .with = "cancel, delete" },
+    { "--output", OPTION_TEXT, offsetof(struct ctl, folder), "DIR",
+      "where enroll makes a folder for each worker", .with = "enroll" },
+    { "-o", OPTION_TEXT, offsetof(struct ctl, output), "FILE",
       "where fetch writes (standard output); %d stands for the frame's "
-      "number" },
-    { "--frame", NUMBER, offsetof(struct ctl, frame), 0, "fetch", "N",
+      "number",
+      .with = "fetch" },
+    { "--frame", OPTION_INT, offsetof(struct ctl, frame), "N",
       "picture of an animation to fetch, by its number (the first; all of "
-      "them where FILE has a %d)" },
-    { "--plane", SWITCH, offsetof(struct ctl, plane), 0, "fetch", NULL,
-      "of a job that shows one plane of bands: fetch that alone" },
-    { "--tone", TEXT, offsetof(struct ctl, tone), 0, "fetch", SHOW_TONES,
-      "how a .png shows light" },
-    { "--exposure", TEXT, offsetof(struct ctl, exposure), 0, "fetch",
-      "[first,|each,]auto|+-STOPS|FACTOR", "of a .png" },
-    { "--bits", TEXT, offsetof(struct ctl, bits), 0, "fetch", SHOW_BITS,
-      "of a channel of a .png" },
-    { "--false-colour", TEXT_OR_NONE, offsetof(struct ctl, false_colour), 0,
-      "fetch", "[=SCALE][,...]",
-      "a .png of luminance in colours, as radsubmit's" },
+      "them where FILE has a %d)",
+      .lo = 0, .hi = INT_MAX, .with = "fetch" },
+    { "--plane", OPTION_FLAG, offsetof(struct ctl, plane), NULL,
+      "of a job that shows one plane of bands: fetch that alone",
+      .with = "fetch" },
+    { "--tone", OPTION_TEXT, offsetof(struct ctl, tone), SHOW_TONES,
+      "how a .png shows light", .with = "fetch" },
+    { "--exposure", OPTION_TEXT, offsetof(struct ctl, exposure),
+      "[first,|each,]auto|+-STOPS|FACTOR", "of a .png", .with = "fetch" },
+    { "--bits", OPTION_TEXT, offsetof(struct ctl, bits), SHOW_BITS,
+      "of a channel of a .png", .with = "fetch" },
+    { "--false-colour", OPTION_MAYBE, offsetof(struct ctl, false_colour),
+      "[=SCALE][,...]", "a .png of luminance in colours, as radsubmit's",
+      .with = "fetch" },
 };
-enum { NOPTIONS = sizeof options / sizeof options[0] };
-_Static_assert(NOPTIONS <= 32, "a set of them is 32 bits");
+_Static_assert(N_ELEM(options) <= 32, "a set of them is 32 bits");
 
 static void
 help(void)
@@ -150,78 +148,24 @@ help(void)
         rad_help_row(head, commands[i].help, tell_line, stdout);
     }
     puts("");
-    for (int i = 0; i < NOPTIONS; i++) {
-        const struct option *o = &options[i];
-
-        snprintf(head, sizeof head, "%s%s%s", o->name,
-                 o->kind == SWITCH || o->kind == TEXT_OR_NONE ? ""
-                 : o->name[1] == '-'                          ? "="
-                                                              : " ",
-                 o->arg ? o->arg : "");
-        rad_help_row(head, o->help, tell_line, stdout);
-    }
+    option_help(options, N_ELEM(options), stdout);
     rad_help_row("--help", "this text", tell_line, stdout);
     rad_help_row("--version", "the version", tell_line, stdout);
-}
-
-/* Take the option called name at argv[*i], with its value after '=' or in the
- * next word.  Returns 1 if it is that option, 0 if not. */
-static int
-option_value(const char *name, char *argv[], int *i, const char **value,
-             struct rad_error *err)
-{
-    size_t n = strlen(name);
-
-    if (strncmp(argv[*i], name, n) != 0)
-        return 0;
-    if (argv[*i][n] == '=' && name[1] == '-') {
-        *value = argv[*i] + n + 1;
-        return 1;
-    }
-    if (argv[*i][n] != '\0')
-        return 0;
-    *value = argv[*i + 1];
-    if (!*value)
-        return rad_fail(err, RAD_EUSAGE, "option '%s': missing value", name);
-    ++*i;
-    return 1;
-}
-
-static int
-set_option(struct ctl *c, const struct option *o, const char *text)
-{
-    void *field = (char *)c + o->at;
-
-    c->given |= UINT32_C(1) << (o - options);
-    if (o->kind == SWITCH)
-        *(bool *)field = true;
-    else if (o->kind != NUMBER)
-        *(const char **)field = text;
-    else if (!rad_parse_int(text, field) || *(int *)field < o->least)
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "option '%s': '%s' is no whole number from %d", o->name,
-                        text, o->least);
-    return 0;
 }
 
 static int
 take_option(struct ctl *c, char *argv[], int *i)
 {
-    for (int k = 0; k < NOPTIONS; k++) {
-        const struct option *o = &options[k];
-        bool alone = o->kind == SWITCH || o->kind == TEXT_OR_NONE;
-        const char *text = "";
-        int rc = 0;
+    const struct option *o = option_find(options, N_ELEM(options), argv[*i]);
+    int used;
 
-        if (alone && strcmp(argv[*i], o->name) == 0)
-            return set_option(c, o, text);
-        if (o->kind != SWITCH)
-            rc = option_value(o->name, argv, i, &text, c->err);
-        if (rc != 0)
-            return rc < 0 ? rc : set_option(c, o, text);
-    }
-    return rad_fail(c->err, RAD_EUSAGE,
-                    "unknown option '%s'; see radctl --help", argv[*i]);
+    if (!o)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "unknown option '%s'; see radctl --help", argv[*i]);
+    c->given |= UINT32_C(1) << (o - options);
+    used = option_take(o, c, argv + *i, c->err);
+    *i += used - 1;
+    return used < 0 ? used : 0;
 }
 
 /* Is the command's name one of the words of `with`? */
@@ -242,7 +186,7 @@ is_with(const char *with, const char *name)
 static int
 check_options(const struct ctl *c)
 {
-    for (int k = 0; k < NOPTIONS; k++)
+    for (int k = 0; k < N_ELEM(options); k++)
         if (c->given & UINT32_C(1) << k && options[k].with &&
             !is_with(options[k].with, c->command->name))
             return rad_fail(c->err, RAD_EUSAGE, "%s goes with %s, not with %s",

@@ -1,68 +1,18 @@
 /* submit_table.c - see submit_table.h
  *
  * One table has radsubmit's own options, another those of rpict that name
- * files.  An option's row has the kind of its value, the field that it sets and
- * its text for --help. */
+ * files. */
 #include "config.h"
 
 #include "job/submit_table.h"
-#include "common/tell.h"
-#include "common/words.h"
+#include "common/option.h"
 #include "job/quality.h"
 
-#include "base/help.h"
 #include "image/filter.h"
 #include "base/list.h"
-#include "base/number.h"
 
 #include <limits.h>
 #include <stddef.h>
-#include <string.h>
-
-enum kind {
-    KIND_FLAG,  /* bool */
-    KIND_TEXT,  /* const char * */
-    KIND_MAYBE, /* as KIND_TEXT; "" if no '=' follows */
-    KIND_INT,   /* int, lo..hi */
-    KIND_REAL,  /* double, lo..hi */
-    KIND_WORD   /* int: index of the word in `words` */
-};
-
-struct option {
-    const char *name;
-    enum kind kind;
-    size_t field; /* offset in struct submit_options */
-    double lo, hi;
-    const char *words; /* for KIND_WORD: "auto|window" */
-    const char *arg;   /* name of the value in --help */
-    const char *help;
-};
-
-#define FIELD(f) offsetof(struct submit_options, f)
-#define FLAG(name, f, help)                                                    \
-    {                                                                          \
-        name, KIND_FLAG, FIELD(f), 0, 0, 0, 0, help                            \
-    }
-#define TEXT(name, f, arg, help)                                               \
-    {                                                                          \
-        name, KIND_TEXT, FIELD(f), 0, 0, 0, arg, help                          \
-    }
-#define MAYBE(name, f, arg, help)                                              \
-    {                                                                          \
-        name, KIND_MAYBE, FIELD(f), 0, 0, 0, arg, help                         \
-    }
-#define INT(name, f, lo, hi, arg, help)                                        \
-    {                                                                          \
-        name, KIND_INT, FIELD(f), lo, hi, 0, arg, help                         \
-    }
-#define REAL(name, f, lo, hi, arg, help)                                       \
-    {                                                                          \
-        name, KIND_REAL, FIELD(f), lo, hi, 0, arg, help                        \
-    }
-#define WORD(name, f, words, help)                                             \
-    {                                                                          \
-        name, KIND_WORD, FIELD(f), 0, 0, words, words, help                    \
-    }
 
 /* ranges of --error [%] and --time [s] */
 #define LEAST_ERROR .1
@@ -72,6 +22,19 @@ struct option {
 enum { MOST_WORKERS = 4096, MOST_THREADS = 1024, MOST_WINDOWS = 1 << 20 };
 
 /* clang-format off */
+#define FIELD(f) offsetof(struct submit_options, f)
+#define FLAG(name, f, help) \
+    { name, OPTION_FLAG, FIELD(f), 0, help, 0, 0, 0, 0 }
+#define TEXT(name, f, arg, help) \
+    { name, OPTION_TEXT, FIELD(f), arg, help, 0, 0, 0, 0 }
+#define MAYBE(name, f, arg, help) \
+    { name, OPTION_MAYBE, FIELD(f), arg, help, 0, 0, 0, 0 }
+#define INT(name, f, lo, hi, arg, help) \
+    { name, OPTION_INT, FIELD(f), arg, help, lo, hi, 0, 0 }
+#define REAL(name, f, lo, hi, arg, help) \
+    { name, OPTION_REAL, FIELD(f), arg, help, lo, hi, 0, 0 }
+#define WORD(name, f, words, help) \
+    { name, OPTION_WORD, FIELD(f), words, help, 0, 0, words, 0 }
 static const struct option own[] = {
     TEXT("--coordinator", coordinator, "HOST:PORT|SOCKET",
          "cluster that renders"),
@@ -174,121 +137,15 @@ static const struct option rpicts[] = {
 };
 /* clang-format on */
 
-static int
-out_of_range(const struct option *opt, const char *text, struct rad_error *err)
-{
-    char lo[RAD_NUMBER_TEXT], hi[RAD_NUMBER_TEXT];
-
-    rad_format_real(lo, opt->lo);
-    rad_format_real(hi, opt->hi);
-    return rad_fail(
-        err, RAD_EUSAGE, "option '%s': '%.40s' is not a%s number from %s to %s",
-        opt->name, text, opt->kind == KIND_INT ? " whole" : "", lo, hi);
-}
-
-static int
-take_word(int *field, const struct option *opt, const char *text,
-          struct rad_error *err)
-{
-    int i = words_place(opt->words, text);
-
-    if (i >= 0) {
-        *field = i;
-        return 0;
-    }
-    return rad_fail(err, RAD_EUSAGE, "option '%s': '%.40s' is none of %s",
-                    opt->name, text, opt->words);
-}
-
-static int
-take_value(struct submit_options *o, const struct option *opt, const char *text,
-           struct rad_error *err)
-{
-    void *field = (char *)o + opt->field;
-
-    switch (opt->kind) {
-    case KIND_FLAG:
-        *(bool *)field = true;
-        return 0;
-    case KIND_MAYBE:
-        *(const char **)field = text;
-        return 0;
-    case KIND_TEXT:
-        if (text[0] == '\0')
-            return rad_fail(err, RAD_EUSAGE, "option '%s': empty value",
-                            opt->name);
-        *(const char **)field = text;
-        return 0;
-    case KIND_INT:
-        if (!rad_parse_int(text, field) || *(int *)field < opt->lo ||
-            *(int *)field > opt->hi)
-            return out_of_range(opt, text, err);
-        return 0;
-    case KIND_REAL:
-        if (!rad_parse_real(text, field) || *(double *)field < opt->lo ||
-            *(double *)field > opt->hi)
-            return out_of_range(opt, text, err);
-        return 0;
-    default:
-        return take_word(field, opt, text, err);
-    }
-}
-
-/* Take the option at argv[0]; its value follows a '=', or is the next word. */
-static int
-take_from(struct submit_options *o, const struct option *table, size_t n,
-          char *const argv[], struct rad_error *err)
-{
-    const char *word = argv[0];
-    size_t len = strcspn(word, "=");
-    const struct option *opt = NULL;
-    const char *value = word[len] ? word + len + 1 : NULL;
-    int rc, used = 1;
-
-    for (size_t i = 0; i < n && !opt; i++)
-        if (strlen(table[i].name) == len &&
-            strncmp(table[i].name, word, len) == 0)
-            opt = &table[i];
-    if (!opt)
-        return 0;
-    if (opt->kind == KIND_FLAG && value)
-        return rad_fail(err, RAD_EUSAGE, "option '%s' takes no value",
-                        opt->name);
-    if (opt->kind == KIND_MAYBE && !value)
-        value = "";
-    if (opt->kind != KIND_FLAG && !value) {
-        value = argv[1];
-        used = 2;
-        if (!value)
-            return rad_fail(err, RAD_EUSAGE, "option '%s': missing value",
-                            opt->name);
-    }
-    rc = take_value(o, opt, value, err);
-    return rc < 0 ? rc : used;
-}
-
 int
 submit_table_take(struct submit_options *o, char *const argv[],
                   struct rad_error *err)
 {
-    if (strncmp(argv[0], "--", 2) == 0)
-        return take_from(o, own, N_ELEM(own), argv, err);
-    if (strchr(argv[0], '=')) /* rpict has no "-o=FILE" */
-        return 0;
-    return take_from(o, rpicts, N_ELEM(rpicts), argv, err);
-}
+    const struct option *opt = option_find(own, N_ELEM(own), argv[0]);
 
-static void
-help_rows(FILE *to, const struct option *table, size_t n, const char *between)
-{
-    for (size_t i = 0; i < n; i++) {
-        char head[80];
-
-        snprintf(head, sizeof head, "%s%s%s", table[i].name,
-                 table[i].arg && table[i].kind != KIND_MAYBE ? between : "",
-                 table[i].arg ? table[i].arg : "");
-        rad_help_row(head, table[i].help, tell_line, to);
-    }
+    if (!opt)
+        opt = option_find(rpicts, N_ELEM(rpicts), argv[0]);
+    return opt ? option_take(opt, o, argv, err) : 0;
 }
 
 void
@@ -302,7 +159,7 @@ submit_table_help(FILE *to)
           "Render a Radiance scene on a cluster; with no coordinator named, "
           "on one of its\nown on this machine.\n\n",
           to);
-    help_rows(to, own, N_ELEM(own), "=");
+    option_help(own, N_ELEM(own), to);
     fputs(
         "  --samples=N                 rays of a pixel that is traced, for "
         "their mean (1)\n"
@@ -330,7 +187,7 @@ submit_table_help(FILE *to)
         "in .hsr),\n"
         "                              not as colours (-co-)\n",
         to);
-    help_rows(to, rpicts, N_ELEM(rpicts), " ");
+    option_help(rpicts, N_ELEM(rpicts), to);
     fputs("  @FILE                       options from a file\n"
           "\n"
           "Examples:\n"

@@ -71,8 +71,12 @@ count 9 key list --limit=9
 count 0 key list --state=expired
 expect 64 "unknown state 'idle': expected one of waiting, running" "a state" \
     "$radctl" --coordinator="$sock" jobs --state=idle
-expect 64 "'0' is no whole number from 1" "a limit" \
+expect 64 "'0' is not a whole number from 1" "a limit" \
     "$radctl" --coordinator="$sock" jobs --limit=0
+expect 64 "option '--state': empty value" "a state that is empty" \
+    "$radctl" --coordinator="$sock" jobs --state=
+expect 64 "option '--json' takes no value" "a switch with a value" \
+    "$radctl" --coordinator="$sock" jobs --json=1
 expect 64 "--user goes with" "of workers" \
     "$radctl" --coordinator="$sock" workers --user=ana
 
