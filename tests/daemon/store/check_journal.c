@@ -202,23 +202,19 @@ TEST(the_log_gives_its_room_to_those_that_lack_it)
 /* Its life ends before there is room. */
 TEST(rows_stay_until_their_picture_is_written)
 {
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
-
-    open_kept(&loop, &s, &h);
-    open_job(s);
-    put_unit(s, kept_job, 0, H, 3);
-    run(&loop, s);
+    open_kept();
+    open_job();
+    put_unit(kept_job, 0, H, 3);
+    run();
     write_fault = ENOSPC;
-    store_write_picture(s, kept_job, 5, 0);
-    while (!h.full)
+    store_write_picture(store, kept_job, 5, 0);
+    while (!heard.full)
         uv_run(&loop, UV_RUN_ONCE);
-    store_end(s);
-    run(&loop, s);
+    store_end(store);
+    run();
     write_fault = 0;
     ck_assert(is_there(KEPT_DIR "/0.rows"));
-    close_kept(&loop, s);
+    close_kept();
 }
 
 /* The log is carried over into the database, for which there is no memory; what
@@ -320,21 +316,17 @@ TEST(a_commit_without_memory_for_more_is_one)
 /* A worker keeps rows until they are said to be kept. */
 TEST(rows_that_could_not_be_synced_are_not_kept)
 {
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
-
-    open_kept(&loop, &s, &h);
-    open_job(s);
-    run(&loop, s);
-    ck_assert_int_eq(h.jobs, 1);
+    open_kept();
+    open_job();
+    run();
+    ck_assert_int_eq(heard.jobs, 1);
     sync_fault = EIO;
-    put_unit(s, kept_job, 0, 3, 3);
-    run(&loop, s);
+    put_unit(kept_job, 0, 3, 3);
+    run();
     sync_fault = 0;
-    ck_assert(h.rows == 0 || h.status != 0);
-    ck_assert_int_eq(h.broken, EX_IOERR);
-    close_kept(&loop, s);
+    ck_assert(heard.rows == 0 || heard.status != 0);
+    ck_assert_int_eq(heard.broken, EX_IOERR);
+    close_kept();
 }
 
 /* What somebody may do to a database that SQLite finds nothing wrong with. */
@@ -362,21 +354,19 @@ take_no_job(void *arg, const struct saved_job *s, struct rad_error *err)
 LOOP_TEST(a_job_that_makes_no_sense_is_refused, N_ELEM(wrong))
 {
     struct rad_error err = { 0 };
-    struct heard h;
-    uv_loop_t loop;
-    struct store *s;
 
-    open_kept(&loop, &s, &h);
-    open_job(s);
-    put_unit(s, kept_job, 0, 3, 3);
-    run(&loop, s);
+    open_kept();
+    open_job();
+    put_unit(kept_job, 0, 3, 3);
+    run();
     ck_assert_int_eq(
-        sqlite3_exec(s->journal->db, wrong[_i].sql, NULL, NULL, NULL), 0);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, take_no_job, NULL, &err), RAD_EDATA);
+        sqlite3_exec(store->journal->db, wrong[_i].sql, NULL, NULL, NULL), 0);
+    close_kept();
+    open_kept();
+    ck_assert_int_eq(store_recover(store, 1, take_no_job, NULL, &err),
+                     RAD_EDATA);
     ck_assert_msg(strstr(err.what, wrong[_i].what) != NULL, "%s", err.what);
-    close_kept(&loop, s);
+    close_kept();
 }
 
 #define HOUR  (UINT64_C(3600) * 1000)
