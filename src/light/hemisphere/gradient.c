@@ -10,7 +10,14 @@
  * along it from there, r = h + s e/|e|, every integral is one of
  *     A_k = integral ds / q^k,  B_k = ... s / q^k,  C_3 = ... s^2 / q^3,
  * q = h^2 + s^2, which have closed forms.  Only derivatives in the plane of the
- * point are wanted: those along x and y, since the normal is along z.  */
+ * point are wanted: those along x and y, since the normal is along z.
+ *
+ * Within a sphere the part of E that comes from a part of the sphere is its
+ * radiosity times its area over the sphere's, wherever the point is: as the
+ * point moves along the sphere and the normal turns, the changes by either
+ * cancel.  So these parts are left out of both: with them moving, by itself,
+ * would seem to bend E much, and a lamp's globe would have several times the
+ * records that it needs.  */
 #include "config.h"
 
 #include "light/hemisphere/gradient.h"
@@ -89,8 +96,40 @@ rad_edge_slope(const double a[3], const double b[3], double scale,
     add_edge(&from, &to, scale, sum);
 }
 
+/* Hits are on a sphere about the point, whose surface the point is on, if a
+ * SPHERE_PART of all cells are on it, within SPHERE_WIDTH of its diameter. */
+#define SPHERE_PART  .25
+#define SPHERE_WIDTH 1e-4
+
 /* A cell's luminance counts as at most so many times the mean. */
 #define MOST_SHARE 4
+
+/* Is p on the sphere of find_sphere(), or beyond? */
+static inline bool
+on_sphere(const double p[3], double curve)
+{
+    return curve > 0 && p[2] <= curve * rad_dot(p, p);
+}
+
+/* The sphere that the point is in, as 1 / diameter, made smaller by its width;
+ * 0: it is in none.  All else in the sphere is nearer, so has more of z / r^2.
+ */
+static double
+find_sphere(const struct rad_hemi *h)
+{
+    int n2 = h->n * h->n, count = 0;
+    double curve = INFINITY;
+
+    for (int k = 0; k < n2; k++) {
+        const double *p = h->cell[k].p;
+
+        curve = rad_least(curve, p[2] / rad_dot(p, p));
+    }
+    curve *= 1 + SPHERE_WIDTH;
+    for (int k = 0; k < n2; k++)
+        count += on_sphere(h->cell[k].p, curve);
+    return count > SPHERE_PART * n2 ? curve : 0;
+}
 
 /* The mean luminance of the cells, each counted as *most at most, which is set
  * to about MOST_SHARE times that mean.
@@ -115,6 +154,13 @@ fair_mean(const struct rad_hemi *h, double *most)
     }
     return mean;
 }
+
+/* The mesh of a hemisphere, as it is summed. */
+struct mesh {
+    const struct rad_hemi *h;
+    double most;  /* limit of luminances */
+    double curve; /* find_sphere() */
+};
 
 /* Luminance of the farthest of three cells, limited to `most`. */
 static double
@@ -164,16 +210,17 @@ struct rim {
  * the luminance of c's hit, and the object would be overlooked.  So it is taken
  * to fill the quadrangle between the edge from a to b and the horizon. */
 static void
-add_rim(const struct rad_hemi *h, const struct rim *r, struct rad_slope *sum,
-        double most)
+add_rim(const struct mesh *m, const struct rim *r, struct rad_slope *sum)
 {
-    const struct rad_hemicell *a = &h->cell[r->a], *b = &h->cell[r->b];
+    const struct rad_hemicell *cell = m->h->cell;
+    const struct rad_hemicell *a = &cell[r->a], *b = &cell[r->b];
     float near = a->near < b->near ? a->near : b->near;
-    double d = r->in - (rad_least(rad_rgb_lum(a->L), most) +
-                        rad_least(rad_rgb_lum(b->L), most)) /
+    double d = r->in - (rad_least(rad_rgb_lum(a->L), m->most) +
+                        rad_least(rad_rgb_lum(b->L), m->most)) /
                            2;
 
-    if (!(near > STANDS_OUT * h->cell[r->c].near) || d == 0)
+    if (!(near > STANDS_OUT * cell[r->c].near) || d == 0 ||
+        on_sphere(cell[r->c].p, m->curve))
         return;
 
     const double below[2][3] = { { a->p[0], a->p[1], 0 },
@@ -186,8 +233,10 @@ add_rim(const struct rad_hemi *h, const struct rim *r, struct rad_slope *sum,
 }
 
 static void
-sum_rims(const struct rad_hemi *h, struct rad_slope *sum, double most)
+sum_rims(const struct mesh *m, struct rad_slope *sum)
 {
+    const struct rad_hemi *h = m->h;
+    double most = m->most;
     int n = h->n, last = n - 2, top = (n - 1) * n;
 
     for (int k = 0; k < n - 1; k++) {
@@ -200,35 +249,44 @@ sum_rims(const struct rad_hemi *h, struct rad_slope *sum, double most)
         };
 
         for (int i = 0; i < 4; i++)
-            add_rim(h, &side[i], sum, most);
+            add_rim(m, &side[i], sum);
     }
+}
+
+/* Are two triangles that share an edge on the sphere that the point is in? */
+static inline bool
+is_still(const struct mesh *m, const double *a, const double *b,
+         const double *c, const double *d)
+{
+    return on_sphere(a, m->curve) && on_sphere(b, m->curve) &&
+           on_sphere(c, m->curve) && on_sphere(d, m->curve);
 }
 
 /* Add each edge between two triangles, times the luminance of its left triangle
  * less that of its right one.  Edges of the mesh's outline add nothing, as if
  * the luminance were the same beyond; but see add_rim(). */
 static void
-sum_edges(const struct rad_hemi *h, struct rad_slope *sum, double most)
+sum_edges(const struct mesh *m, struct rad_slope *sum)
 {
+    const struct rad_hemi *h = m->h;
     int n = h->n;
 
     for (int i = 0; i < n - 1; i++) {
-        const struct rad_hemicell *cell = &h->cell[i * n];
-        struct corner at = corner_at(cell->p);
+        const struct rad_hemicell *c = &h->cell[i * n];
+        struct corner at = corner_at(c->p);
 
-        for (int j = 0; j < n - 1; j++, cell++) {
-            struct corner right = corner_at(cell[1].p),
-                          above = corner_at(cell[n].p);
-            double low = lower(h, i, j, most), d;
+        for (int j = 0; j < n - 1; j++, c++) {
+            struct corner right = corner_at(c[1].p), above = corner_at(c[n].p);
+            double low = lower(h, i, j, m->most), d;
 
-            d = low - upper(h, i, j, most);
-            if (d != 0)
+            d = low - upper(h, i, j, m->most);
+            if (d != 0 && !is_still(m, right.p, above.p, c->p, c[n + 1].p))
                 add_edge(&right, &above, d, sum);
-            d = i > 0 ? low - upper(h, i - 1, j, most) : 0;
-            if (d != 0)
+            d = i > 0 ? low - upper(h, i - 1, j, m->most) : 0;
+            if (d != 0 && !is_still(m, at.p, right.p, above.p, c[1 - n].p))
                 add_edge(&at, &right, d, sum);
-            d = j > 0 ? upper(h, i, j - 1, most) - low : 0;
-            if (d != 0)
+            d = j > 0 ? upper(h, i, j - 1, m->most) - low : 0;
+            if (d != 0 && !is_still(m, at.p, above.p, c[n - 1].p, right.p))
                 add_edge(&at, &above, d, sum);
             at = right;
         }
@@ -240,39 +298,27 @@ sum_edges(const struct rad_hemi *h, struct rad_slope *sum, double most)
  * differ here and there, by noise, the differences cancel.  Where the mesh has
  * more light than the cells the result is 0. */
 static double
-overlooked(const struct rad_hemi *h, double most)
+overlooked(const struct mesh *m)
 {
-    double cells = 0, mesh = 0;
+    const struct rad_hemi *h = m->h;
+    double cells = 0, mesh = 0, most = m->most;
     int n = h->n;
 
     for (int i = 0; i < n - 1; i++)
         for (int j = 0; j < n - 1; j++) {
             const struct rad_hemicell *c = &h->cell[i * n + j];
+            double four = (rad_least(rad_rgb_lum(c[0].L), most) +
+                           2 * rad_least(rad_rgb_lum(c[1].L), most) +
+                           2 * rad_least(rad_rgb_lum(c[n].L), most) +
+                           rad_least(rad_rgb_lum(c[n + 1].L), most)) /
+                          3;
 
-            cells += (rad_least(rad_rgb_lum(c[0].L), most) +
-                      2 * rad_least(rad_rgb_lum(c[1].L), most) +
-                      2 * rad_least(rad_rgb_lum(c[n].L), most) +
-                      rad_least(rad_rgb_lum(c[n + 1].L), most)) /
-                     3;
-            mesh += lower(h, i, j, most) + upper(h, i, j, most);
+            cells += four;
+            mesh += is_still(m, c[0].p, c[1].p, c[n].p, c[n + 1].p)
+                        ? four
+                        : lower(h, i, j, most) + upper(h, i, j, most);
         }
     return mesh < cells ? 1 - mesh / cells : 0;
-}
-
-void
-rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
-{
-    struct rad_slope sum = { .grad = { 0 } };
-    double most, E = M_PI * fair_mean(h, &most);
-
-    sum_edges(h, &sum, most);
-    sum_rims(h, &sum, most);
-    rad_hemi_turn(h, g->turn);
-    g->overlooked = overlooked(h, most);
-    for (int k = 0; k < 2; k++)
-        g->move[k] = sum.grad[k] / E;
-    for (int k = 0; k < 3; k++)
-        g->hess[k] = sum.hess[k] / E;
 }
 
 /* The mean tangent of the angle to the normal, for directions whose projections
@@ -303,9 +349,10 @@ add_turn(const struct rad_hemicell *c, double mean, double tangent,
  * of n x d over n.d is the tangent of d's angle to the normal, which has no
  * bound: single rays near the horizon would make most of the sum, and its
  * variance would be infinite.  So each cell has its ring's mean tangent.  The
- * mean of the light is left out, since a uniform part adds only noise. */
-void
-rad_hemi_turn(const struct rad_hemi *h, double turn[2])
+ * mean of the light is left out, since a uniform part adds only noise, and so
+ * are the cells that are on the sphere of find_sphere(). */
+static void
+turn_within(const struct rad_hemi *h, double curve, double turn[2])
 {
     int n = h->n;
     double mean = rad_rgb_lum(h->E) / M_PI, scale = 1 / (mean * n * n);
@@ -318,10 +365,34 @@ rad_hemi_turn(const struct rad_hemi *h, double turn[2])
 
         for (int i = lo; i <= hi; i++)
             for (int j = lo; j <= hi; j += i == lo || i == hi ? 1 : hi - lo)
-                add_turn(&h->cell[i * n + j], mean, tangent, turn);
+                if (!on_sphere(h->cell[i * n + j].p, curve))
+                    add_turn(&h->cell[i * n + j], mean, tangent, turn);
     }
     for (int k = 0; k < 2; k++)
         turn[k] *= scale;
+}
+
+void
+rad_hemi_turn(const struct rad_hemi *h, double turn[2])
+{
+    turn_within(h, 0, turn);
+}
+
+void
+rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
+{
+    struct rad_slope sum = { .grad = { 0 } };
+    struct mesh m = { .h = h, .curve = find_sphere(h) };
+    double E = M_PI * fair_mean(h, &m.most);
+
+    sum_edges(&m, &sum);
+    sum_rims(&m, &sum);
+    turn_within(h, m.curve, g->turn);
+    g->overlooked = overlooked(&m);
+    for (int k = 0; k < 2; k++)
+        g->move[k] = sum.grad[k] / E;
+    for (int k = 0; k < 3; k++)
+        g->hess[k] = sum.hess[k] / E;
 }
 
 void

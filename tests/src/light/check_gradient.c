@@ -278,6 +278,69 @@ TEST(uniform_surrounding_has_no_gradient)
     ck_assert_double_eq_tol(g.turn[1], 0, 1e-6);
 }
 
+/* A hemisphere within a sphere of diameter 3 whose surface the point is on. */
+static void
+look_within_sphere(struct rad_hemi *h)
+{
+    look_at_disk(h, 100, 1);
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        double *p = cells[k].p;
+
+        rad_normalize(p);
+        cells[k].near = (float)(1 / (3 * p[2]));
+        rad_scale(p, 3 * p[2], p);
+    }
+}
+
+/* All parts of a sphere light a point on it by their area alone. */
+TEST(sphere_lights_its_inside_evenly)
+{
+    struct rad_gradients g;
+    struct rad_hemi h;
+    double sum = 0;
+
+    look_within_sphere(&h);
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        cells[k].L = rad_grey((float)(k * k % 7));
+        sum += k * k % 7;
+    }
+    h.E = rad_grey((float)(sum * M_PI / (SIDE * SIDE)));
+    rad_hemi_gradients(&h, &g);
+    ck_assert(g.move[0] == 0 && g.move[1] == 0);
+    ck_assert(g.hess[0] == 0 && g.hess[1] == 0 && g.hess[2] == 0);
+    ck_assert(g.turn[0] == 0 && g.turn[1] == 0);
+    ck_assert_double_eq_tol(g.overlooked, 0, 1e-12);
+}
+
+/* What stands in the sphere counts as ever. */
+TEST(body_in_a_sphere_counts_and_light_beside_it_does_not)
+{
+    struct rad_gradients even, uneven;
+    struct rad_hemi h;
+    int dark = 0;
+
+    look_within_sphere(&h);
+    for (int k = 0; k < SIDE * SIDE; k++)
+        if (cells[k].p[0] > .8) {
+            rad_scale(cells[k].p, .5, cells[k].p);
+            cells[k].near *= 2;
+            cells[k].L = rad_grey(0);
+            dark++;
+        }
+    h.E = rad_grey((float)(M_PI * (1 - dark / (double)(SIDE * SIDE))));
+    rad_hemi_gradients(&h, &even);
+    for (int k = 0; k < SIDE * SIDE; k++)
+        if (cells[k].p[0] < -.2)
+            cells[k].L = rad_grey(k % 2 ? 1.5f : .5f);
+    rad_hemi_gradients(&h, &uneven);
+    double bend = fabs(even.hess[0]) + fabs(even.hess[2]);
+
+    ck_assert(even.move[0] < -.1 && bend > 1e-3);
+    ck_assert_double_eq_tol(uneven.move[0], even.move[0], .01);
+    for (int k = 0; k < 3; k++)
+        ck_assert_double_eq_tol(uneven.hess[k], even.hess[k], .02 * bend);
+}
+
 /* Half the sky bright, x > 0: turning the normal about y by da toward +x gives
  * E = pi/2 (1 + sin da). */
 TEST(turning_toward_the_light_brightens)
