@@ -24,7 +24,8 @@ try_scene(struct program *p)
                               .params = &params,
                               .frames = p->frames.list,
                               .nframes = p->frames.n,
-                              .passes = jobspec_passes(&p->o) };
+                              .passes = jobspec_passes(&p->o),
+                              .oversample = p->o.oversample };
     uint8_t *bytes = NULL;
     int rc = 0;
 

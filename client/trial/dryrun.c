@@ -95,8 +95,8 @@ dryrun_predict(struct prediction *p, const struct dryrun_job *job,
                struct rad_error *err)
 {
     struct rad_view view;
-    struct trial_scene tried = { job->scene, &job->files, &view, job->points,
-                                 job->passes };
+    struct trial_scene tried = { job->scene,  &job->files, &view,
+                                 job->points, job->passes, job->oversample };
     struct trial t;
     double pixels = 0;
     int rc = job->points ? 0 : read_view(&view, job, err);

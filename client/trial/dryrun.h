@@ -30,6 +30,7 @@ struct dryrun_job {
     uint32_t nframes;
     const struct rad_points *points; /* NULL: pictures */
     bool passes;                     /* its ambient cache is filled in passes */
+    int oversample;                  /* as in struct rad_frame */
 };
 
 /* Trace some pixels of the scene and predict all frames of the job, or all of

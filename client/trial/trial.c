@@ -99,6 +99,7 @@ stand_init(struct stand *s, const struct trial_scene *scene,
         rad_frame_of_points(&s->frame, s->job, scene->points);
     else
         rc = rad_frame_init(&s->frame, s->job, scene->view, 0, false, err);
+    s->frame.oversample = scene->oversample;
     if (rc == 0 && (rc = rad_ctx_init(&s->ctx, s->job, err)) < 0)
         rad_frame_release(&s->frame);
     if (rc < 0) {

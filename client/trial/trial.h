@@ -48,6 +48,7 @@ struct trial_scene {
     const struct rad_view *view;
     const struct rad_points *points; /* NULL: a picture with that view */
     bool passes;                     /* its cache is filled in passes */
+    int oversample;                  /* as in struct rad_frame */
 };
 
 /* With a cache a trial has at most TRIAL_BOUNCES.  In a trial a record has all

@@ -200,6 +200,7 @@ load_frames(struct render *r, const struct msg_spec *spec,
         if (i > 0 && (rc = rad_frame_move(&r->frames[i], &before, err)) < 0)
             return rc;
         before = view;
+        r->frames[i].oversample = spec->oversample;
         if (r->frames[i].width != (int)f->width ||
             r->frames[i].height != (int)f->height)
             return rad_fail(

@@ -87,13 +87,15 @@
 #define EVEN     .3
 #define MOST_OFF 1.
 
+/* The side of an area, in pixels of the picture that is written, and the most
+ * pixels of an area: area_at() rounds to whole columns, and may add half a
+ * width. */
 enum {
-    SIDE = 5,
-    AREA = SIDE * SIDE, /* pixels of an area, about */
-    MOST = 50           /* pixels of an area, at most */
+    SIDE = RAD_DOUBT_SIDE,
+    MOST_SIDE = SIDE * RAD_MAX_OVERSAMPLE,
+    MOST = (MOST_SIDE * MOST_SIDE + MOST_SIDE) * 3 / 2
 };
-/* area_at() rounds to whole columns, and may add half a width */
-_Static_assert((AREA + RAD_QUINCUNX_MAX_YSTEP / 2) * 3 / 2 <= MOST, "no room");
+_Static_assert(RAD_QUINCUNX_MAX_YSTEP <= 2 * MOST_SIDE, "no room");
 
 /* The two renderings: frames like the job's, with other random numbers. */
 enum { FIRST, SECOND, NFRAMES };
@@ -105,6 +107,7 @@ struct look {
     const struct rad_doubt_rows *rows;
     struct rad_ctx *ctx;
     const _Atomic bool *stop;
+    int oversample; /* of the frames, from 1 */
     uint64_t key;   /* of the area or place */
     uint32_t drawn; /* random numbers drawn of this key */
     double *sum;
@@ -155,12 +158,13 @@ shown(const struct look *k, int x, int y)
 /* --- places --- */
 
 /* The number, from 0 to beyond - 1, of a pixel in place of pixel n: both lie at
- * random in a run of SIDE pixels. */
+ * random in a run of an area's side. */
 static int
 move(struct look *k, int n, int beyond)
 {
-    int first = n - (int)(draw(k) * SIDE);
-    int to = first + (int)(draw(k) * SIDE);
+    int side = SIDE * k->oversample;
+    int first = n - (int)(draw(k) * side);
+    int to = first + (int)(draw(k) * side);
 
     return to < 0 ? 0 : to < beyond ? to : beyond - 1;
 }
@@ -373,6 +377,7 @@ struct redone {
     double fresh[NFRAMES]; /* fresh luminance */
     double light;          /* luminance as shown */
     double noise;          /* the pixels' variances, each from two values */
+    double alone;          /* products of each pixel's two differences */
     double lum[MOST];      /* of each pixel, in the frame rendered last */
 };
 
@@ -402,23 +407,37 @@ static void
 redo(struct look *k, const struct area *a, struct redone *r, int frame)
 {
     for (int i = 0; i < a->n && !is_stopped(k); i++) {
-        double lum = remake(k, a, frame, i);
+        double lum = remake(k, a, frame, i), off = shown_of(k, a, i) - lum;
 
-        r->off[frame] += shown_of(k, a, i) - lum;
+        r->off[frame] += off;
         r->fresh[frame] += lum;
-        r->noise += frame == FIRST ? 0 : squared(lum - r->lum[i]) / 2;
+        if (frame != FIRST) {
+            r->noise += squared(lum - r->lum[i]) / 2;
+            r->alone += off * (shown_of(k, a, i) - r->lum[i]);
+        }
         r->lum[i] = lum;
     }
 }
 
 /* The probability that the area is rendered a second time, given the first. */
 static double
-go_on(const struct redone *r)
+go_on(const struct look *k, const struct redone *r)
 {
     double all = (r->light + r->fresh[FIRST]) / 2;
+    double by_off = BY_OFF * k->oversample;
 
-    return all > 0 ? fmin(GO_ON + BY_OFF * fabs(r->off[FIRST]) / all, 1)
+    return all > 0 ? fmin(GO_ON + by_off * fabs(r->off[FIRST]) / all, 1)
                    : GO_ON;
+}
+
+/* The part of an area that rows are too short for.  (Without --oversample areas
+ * of fewer pixels count as they are.) */
+static double
+lacks(const struct look *k, const struct area *a)
+{
+    int side = SIDE * k->oversample;
+
+    return k->oversample > 1 ? fmax(1 - (double)a->n / (side * side), 0) : 0;
 }
 
 /* Half of an area's light is as shown, half rendered again. */
@@ -434,7 +453,7 @@ look_at_area(struct look *k, const struct area *a, double weight)
     if (is_stopped(k))
         return;
     k->sum[RAD_DOUBT_AREAS] += weight;
-    likely = go_on(&r);
+    likely = go_on(k, &r);
     if (draw(k) >= likely)
         return;
     redo(k, a, &r, SECOND);
@@ -442,11 +461,13 @@ look_at_area(struct look *k, const struct area *a, double weight)
     if (is_stopped(k) || !(all > 0))
         return;
     weight /= likely;
-    square = weight * bound(r.off[FIRST] * r.off[SECOND] / squared(all));
+    /* what pixels err by alone would average out over more of them */
+    square = r.off[FIRST] * r.off[SECOND] - lacks(k, a) * r.alone;
+    square = weight * bound(square / squared(all));
     k->sum[RAD_DOUBT_PIXEL] += square;
     k->sum[RAD_DOUBT_PIXEL2] += squared(square);
     k->sum[RAD_DOUBT_NOISE] +=
-        weight * fmin(r.noise / squared(all), MOST_SQUARE);
+        weight * fmin((1 - lacks(k, a)) * r.noise / squared(all), MOST_SQUARE);
 }
 
 /* The root of the summed squares by which neighbouring pixels differ, over the
@@ -471,8 +492,9 @@ static void
 look_about(struct look *k, const struct area *a,
            const struct rad_doubt_share *share)
 {
-    double rough = 1 + BY_ROUGHNESS * roughness(k, a);
-    double likely = fmin(share->areas * a->n * rough, 1);
+    double rough = 1 + BY_ROUGHNESS * k->oversample * roughness(k, a);
+    double fewer = k->oversample * k->oversample;
+    double likely = fmin(share->areas * a->n * rough / fewer, 1);
 
     if (draw(k) < likely)
         look_at_area(k, a, 1 / likely);
@@ -514,6 +536,12 @@ rad_doubt_of_picture(const struct rad_frame *f)
     };
 }
 
+static int
+oversample_of(const struct rad_frame *f)
+{
+    return f->oversample > 1 ? f->oversample : 1;
+}
+
 static struct rad_frame
 with_key(const struct rad_frame *f, uint64_t which)
 {
@@ -532,7 +560,8 @@ with_key(const struct rad_frame *f, uint64_t which)
 static struct area
 area_at(const struct rad_doubt_rows *rows, int x)
 {
-    int width = rows->frame->points ? 1 : (AREA + rows->n / 2) / rows->n;
+    int side = SIDE * oversample_of(rows->frame);
+    int width = rows->frame->points ? 1 : (side * side + rows->n / 2) / rows->n;
     int left = rows->width - x, parts = (left + width / 2) / width;
     struct area a = { .x = x, .width = parts > 1 ? left / parts : left };
 
@@ -544,9 +573,11 @@ static void
 begin(struct look *k, const struct rad_frame *f, struct rad_ctx *ctx,
       struct rad_doubt *to)
 {
-    *k = (struct look){
-        .exact = *f->job, .job = ctx->job, .ctx = ctx, .sum = to->v
-    };
+    *k = (struct look){ .exact = *f->job,
+                        .job = ctx->job,
+                        .ctx = ctx,
+                        .oversample = oversample_of(f),
+                        .sum = to->v };
     k->exact.params.specthresh = 0;
     k->exact.params.shadthresh = 0;
     k->exact.params.shadcert = 1;
@@ -629,6 +660,19 @@ rad_doubt_look(const struct rad_doubt_rows *rows, struct rad_ctx *ctx,
     return !is_stopped(&k);
 }
 
+/* How many of a window's rows have areas beside each other: those of a bar, as
+ * in a picture; with --oversample, where that would make areas long, so many
+ * that areas are square. */
+static int
+rows_at_once(const struct rad_frame *f, int rows, int ystep)
+{
+    int side = SIDE * oversample_of(f), parts = (rows + side / 2) / side;
+
+    if (oversample_of(f) == 1)
+        return ystep;
+    return parts > 1 ? (rows + parts - 1) / parts : rows;
+}
+
 bool
 rad_doubt_look_at_window(const struct rad_doubt_rows *window,
                          struct rad_ctx *ctx,
@@ -636,13 +680,14 @@ rad_doubt_look_at_window(const struct rad_doubt_rows *window,
                          const _Atomic bool *stop, struct rad_doubt *to)
 {
     struct rad_doubt_rows rows = *window;
+    int first = window->n > 1, n, xstep, ystep;
     bool ok = true;
-    int xstep, ystep;
 
     rad_quincunx_steps(rows.frame->job->params.psample, &xstep, &ystep);
-    for (int y = window->n > 1; ok && y < window->n; y += ystep) {
+    n = rows_at_once(rows.frame, window->n - first, ystep);
+    for (int y = first; ok && y < window->n; y += n) {
         rows.y = window->y + y;
-        rows.n = window->n - y < ystep ? window->n - y : ystep;
+        rows.n = window->n - y < n ? window->n - y : n;
         rows.row = window->row + y;
         ok = rad_doubt_look(&rows, ctx, share, stop, to);
     }

@@ -4,7 +4,9 @@
  * numbers and with the light that -st, -dt and -dj leave out, and compared with
  * the picture:
  *   areas     of some 25 pixels, traced or interpolated, since the eye averages
- *             over so many.  They show noise of lamps and gloss, gloss below
+ *             over so many; of the picture that is written, whose pixels are
+ *             several rendered ones each with rad_frame.oversample.  They show
+ *             noise of lamps and gloss, gloss below
  *             -st, penumbras of lamps whose parts -dj samples at their middles,
  *             edges that interpolation missed.
  *   places    pixels whose indirect light is sampled anew, to compare with what
@@ -22,6 +24,7 @@
 #ifndef RAD_PICTURE_DOUBT_H
 #define RAD_PICTURE_DOUBT_H
 
+#include "image/filter.h"
 #include "picture/frame.h"
 
 #include <math.h>
@@ -83,15 +86,19 @@ struct rad_error_squares {
 };
 struct rad_error_squares rad_doubt_squares(const struct rad_doubt *d);
 
-/* Per pixel of the picture, how many areas and places to look at; with INFINITY
- * areas each area. */
+/* The side of an area, in pixels of the picture that is written. */
+#define RAD_DOUBT_SIDE 5
+
+/* Per rendered pixel, how many areas and places to look at; with INFINITY
+ * areas each area.  With rad_frame.oversample areas have as many more pixels as
+ * a pixel that is written, and as many times fewer are looked at. */
 struct rad_doubt_share {
     double areas, places;
 };
 
-/* Shares that give a few hundred areas of a picture and some fifty places, or
- * eight in a small one: a small part of the picture's own time.  Sensor points
- * have no areas. */
+/* Shares that give a few hundred areas of a picture, fewer with
+ * rad_frame.oversample, and some fifty places, or eight in a small one: a small
+ * part of the picture's own time.  Sensor points have no areas. */
 struct rad_doubt_share rad_doubt_of_picture(const struct rad_frame *f);
 
 /* The error that places have in common: sums over places, signed so that noise

@@ -25,6 +25,8 @@ struct rad_frame {
     uint64_t key;           /* of the pixels' random numbers */
     uint64_t stamp;         /* identifies its rays in ctx->aim; not 0 */
     bool depth;             /* -z wanted */
+    int oversample; /* pixels a side of each pixel of the picture that is
+                     * written; 0 counts as 1 */
     bool moving;            /* -pm: blurred by motion from `before` */
     struct rad_view before; /* the last frame's view, set up */
     struct rad_paint paint; /* small sources to paint; none with -dv- */

@@ -14,27 +14,31 @@
  * number in this place. */
 #define BRANCH UINT64_C(0x636865636b740000)
 
-/* For a tile: the number of places, of windows, and of areas looked at in a
- * window if all are even; all areas if the pictures are small. */
+/* For a tile: the number of places, of windows, and of areas looked at if all
+ * are even; all areas if the pictures are small. */
 #define PLACES  2
 #define WINDOWS 2
-#define AREAS   2.5
-#define POINTS  8. /* sensors looked at, each an area, in place of AREAS */
+#define AREAS   5.
+#define POINTS  16. /* sensors looked at, each an area, in place of AREAS */
 
-/* The size of a window: in steps of the sampler across, and in base lines. */
+/* The size of a window: in steps of the sampler across, times --oversample, and
+ * in base lines.  With --oversample it holds an area at least. */
 enum {
     STEPS = 4,
     LINES = 3,
-    MOST_WIDTH = STEPS * RAD_QUINCUNX_MAX_XSTEP + 1,
+    MOST_WIDTH = STEPS * RAD_QUINCUNX_MAX_XSTEP * RAD_MAX_OVERSAMPLE + 1,
     MOST_HEIGHT = LINES * RAD_QUINCUNX_MAX_YSTEP + 1
 };
+_Static_assert(RAD_DOUBT_SIDE *RAD_MAX_OVERSAMPLE < MOST_HEIGHT, "no room");
 
 struct check {
     struct rad_frame frame; /* like the job's, with other random numbers */
     struct rad_ctx *ctx;
     const _Atomic bool *stop;
     uint64_t key;
-    bool small; /* see rad_refine_is_small() */
+    bool small;     /* see rad_refine_is_small() */
+    int oversample; /* of the frame, from 1 */
+    int windows;    /* of the tile */
     struct rad_refine_sums *out;
 };
 
@@ -86,16 +90,26 @@ least(int a, int b)
     return a < b ? a : b;
 }
 
+static int
+most(int a, int b)
+{
+    return a > b ? a : b;
+}
+
 static struct rad_window
 window_at(const struct check *c, uint64_t n)
 {
     const struct rad_frame *f = &c->frame;
     struct rad_window w;
-    int xstep, ystep, at[2];
+    int xstep, ystep, area = RAD_DOUBT_SIDE * c->oversample, at[2];
 
+    if (c->oversample == 1)
+        area = 0;
     rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
-    w.width = least(STEPS * xstep + 1, f->width);
-    w.height = least(LINES * ystep + 1, f->height);
+    w.width = most(STEPS * c->oversample * xstep, area) + 1;
+    w.height = most(LINES * ystep, area) + 1;
+    w.width = least(w.width, f->width);
+    w.height = least(w.height, f->height);
     spread(n, f->width - w.width + 1, f->height - w.height + 1, at);
     w.x = at[0];
     w.y = at[1];
@@ -126,8 +140,8 @@ sample_window(struct check *c, uint64_t n, struct sampled *s)
 static bool
 look_at_window(struct check *c, const struct sampled *s)
 {
-    double pixels = (double)s->at.width * s->at.height;
-    double areas = s->frame.points ? POINTS : AREAS;
+    double pixels = (double)s->at.width * s->at.height * c->windows;
+    double areas = s->frame.points ? POINTS : AREAS * c->oversample;
     struct rad_doubt_share share = { c->small ? INFINITY : areas / pixels, 0 };
     struct rad_doubt_rows rows = {
         &s->frame,   s->at.x,      s->at.y,
@@ -157,8 +171,8 @@ check_all(struct check *c, uint32_t tile, uint32_t nframes)
     uint64_t n = tile / nframes; /* of the frame's tiles */
     bool ok = true;
 
-    for (uint64_t i = 0; ok && i < WINDOWS && !is_stopped(c); i++)
-        ok = check_window(c, n * WINDOWS + i);
+    for (int i = 0; ok && i < c->windows && !is_stopped(c); i++)
+        ok = check_window(c, n * (uint64_t)c->windows + (uint64_t)i);
     for (uint64_t i = 0; ok && i < PLACES && !is_stopped(c); i++)
         check_place(c, (n * PLACES + i) * RAD_DOUBT_TRIED);
     return ok && !is_stopped(c);
@@ -187,6 +201,8 @@ rad_refine_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
     memset(out, 0, sizeof *out);
     c.frame = f[tile % nframes];
     c.small = are_small(f, nframes);
+    c.oversample = c.frame.oversample > 1 ? c.frame.oversample : 1;
+    c.windows = c.oversample > 1 ? 1 : WINDOWS;
     c.key = rad_key_branch(c.frame.key ^ BRANCH, tile);
     c.frame.key ^= BRANCH;
     c.frame.stamp = (c.frame.stamp ^ BRANCH) | 1;

@@ -526,6 +526,7 @@ render_stage(struct task *t, const struct rad_params *params,
     t->params = *params;
     if (job && (rc = rad_ctx_init(&ctx, job, err)) == 0) {
         rc = rad_frame_init(&f, job, &t->view, t->frame, t->depth != NULL, err);
+        f.oversample = t->oversample;
         if (rc == 0)
             rc = make_stage(t, job, &ctx, &f, ask, err);
         if (rc == 0 && ctx.scratch.lacked)

@@ -42,9 +42,10 @@ keep(void *arg, const struct rad_ambrec *rec, size_t n)
 
 static const _Atomic bool never;
 
-/* A room whose cache is filled, at its check pass. */
+/* A room whose cache is filled, at its check pass; so many pixels a side are
+ * one of the picture that is written. */
 static void
-open_room(struct room *m, const char *options)
+open_filtered_room(struct room *m, const char *options, int oversample)
 {
     struct rad_pass pass[RAD_MOST_PASSES];
     struct rad_pass_size size;
@@ -55,6 +56,7 @@ open_room(struct room *m, const char *options)
     rad_ambient_freeze(m->w.job->ambient);
     world_frame(&m->w, "-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", false,
                 &m->frame);
+    m->frame.oversample = oversample;
     size = (struct rad_pass_size){ m->frame.width, m->frame.height };
     n = rad_refine_plan(&m->w.job->params, &size, 1, false, true, pass);
     m->passes = rad_passes_new(&m->frame, 1, NULL);
@@ -75,6 +77,12 @@ open_room(struct room *m, const char *options)
     }
     m->ntiles = pass[n - 1].tiles;
     ck_assert_uint_le(m->ntiles, MOST);
+}
+
+static void
+open_room(struct room *m, const char *options)
+{
+    open_filtered_room(m, options, 1);
 }
 
 static void
@@ -175,6 +183,23 @@ TEST(a_finer_cache_is_found_to_be_better)
     ck_assert_double_lt(fine.ambient, .6 * coarse.ambient);
 }
 
+/* Noise of pixels averages out in those of the picture that is written. */
+TEST(a_picture_that_is_filtered_down_is_found_to_have_less_noise)
+{
+    struct room *m = &rooms[0];
+    struct rad_error_estimate e[2];
+
+    for (int i = 0; i < 2; i++) {
+        open_filtered_room(m, COARSE "-ps 1 -ds 0 -dj 1 -st 0 -dt 0 -dv-",
+                           i == 0 ? 1 : 4);
+        make_tiles(m, THREADS, false, false);
+        e[i] = error_of(m);
+        close_room(m);
+    }
+    ck_assert_double_lt(e[1].sampling, .5 * e[0].sampling);
+    ck_assert_double_gt(e[1].ambient, .5 * e[0].ambient);
+}
+
 TEST(a_tile_can_be_stopped)
 {
     static const _Atomic bool stop = true;
@@ -191,14 +216,15 @@ static const char *const sizes[] = {
     "-x 300 -y 4 ", "-x 30 -y 30 -ps 16 ", "-x 30 -y 30 -ps 1 "
 };
 
-LOOP_TEST(small_pictures_have_an_error_too, N_ELEM(sizes))
+LOOP_TEST(small_pictures_have_an_error_too, 2 * N_ELEM(sizes))
 {
+    int size = _i / 2, oversample = _i % 2 == 0 ? 1 : 8;
     struct room *m = &rooms[0];
     const double *a = m->of[0].doubt.v, *b = m->of[1].doubt.v;
     char options[300];
 
-    snprintf(options, sizeof options, COARSE "%s -pa 0", sizes[_i]);
-    open_room(m, options);
+    snprintf(options, sizeof options, COARSE "%s -pa 0", sizes[size]);
+    open_filtered_room(m, options, oversample);
     make_tiles(m, 1, false, false);
     ck_assert_double_ge(error_of(m).all, 0);
     ck_assert_double_lt(error_of(m).all, 1);

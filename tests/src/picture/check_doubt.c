@@ -3,6 +3,7 @@
 
 #include "picture/doubt.h"
 
+#include "base/rng.h"
 #include "light/indirect/ambient.h"
 #include "tests/world_picture.h"
 
@@ -122,6 +123,66 @@ LOOP_TEST(what_is_off_is_found, N_ELEM(parts))
     ck_assert_double_eq_tol(rad_doubt_error(&d).all, off * sqrt(share),
                             .15 * off);
     ck_assert_double_eq(rad_doubt_error(&d).ambient, 0);
+}
+
+/* Put the picture's pixels off by .3, up or down by chance, some times; returns
+ * the error that is found if so many pixels a side are one of the picture that
+ * is written. */
+static double
+error_of_noise(int oversample, int lines)
+{
+    const struct rad_doubt_share all = { INFINITY, 0 };
+    struct rad_doubt sums = { { 0 } };
+
+    for (uint64_t key = 0; key < 12; key++) {
+        struct rad_doubt d;
+
+        make(PURE);
+        pic.frame.oversample = oversample;
+        for (uint32_t i = 0; i < 90 * 90; i++) {
+            struct rad_rgb *L = &pic.pixel[i].L;
+
+            *L = rad_rgb_scale(*L, rad_rand(key, i) < .5 ? .7f : 1.3f);
+        }
+        d = look(lines, all);
+        rad_doubt_add(&sums, &d);
+    }
+    return rad_doubt_error(&sums).all;
+}
+
+/* Noise averages out over the pixels of a larger area.  The areas of 8 lines
+ * are whole ones, those of a single line are too short. */
+TEST(noise_is_less_where_pixels_are_filtered_down)
+{
+    double one = error_of_noise(1, 5);
+
+    ck_assert_double_eq_tol(one, sqrt(1.3) * .3 / 5, .008);
+    ck_assert_double_eq_tol(error_of_noise(2, 8), one / 2, .1 * one);
+    ck_assert_double_eq_tol(error_of_noise(3, 8), one / 3, .1 * one);
+    ck_assert_double_eq_tol(error_of_noise(5, 1), one / 5, .1 * one);
+}
+
+/* An error that neighbours share does not, and fewer areas are looked at for as
+ * many pixels. */
+TEST(what_pixels_share_is_no_less_where_they_are_filtered_down)
+{
+    uint64_t rays[2];
+
+    for (int i = 0; i < 2; i++) {
+        struct rad_doubt d;
+
+        make(PURE);
+        pic.frame.oversample = i == 0 ? 1 : 3;
+        for (int k = 0; k < 90 * 90; k++)
+            pic.pixel[k].L = rad_rgb_scale(pic.pixel[k].L, 1.2f);
+        rays[i] = pic.w.ctx.counts.primary_rays;
+        d = look(3, (struct rad_doubt_share){ .02, 0 });
+        rays[i] = pic.w.ctx.counts.primary_rays - rays[i];
+        ck_assert_double_eq_tol(rad_doubt_error(&d).all, sqrt(1.3) * 2 / 11,
+                                .01);
+    }
+    ck_assert_uint_gt(rays[1], rays[0] / 2);
+    ck_assert_uint_lt(rays[1], rays[0] * 2);
 }
 
 /* One pixel of each 5 by 5, which is most of their light. */
