@@ -1,6 +1,7 @@
 # file by file: packages that were built here leave theirs in this folder
 EXTRA_DIST += \
 	debian/changelog \
+	debian/clean \
 	debian/control \
 	debian/copyright \
 	debian/radcoord.install \
