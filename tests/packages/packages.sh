@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# packages.sh TARBALL - the Debian packages, as an administrator meets them
+# packages.sh TARBALL [SUITE] - the Debian packages, as an administrator meets them
 #
-# In clean trees of Debian: build them from the tarball; ask lintian; install,
-# render as an ordinary user, remove, purge; and boot such a tree with systemd
-# (booted.sh), where that is allowed.  Needs root, mmdebstrap, lintian and a
-# mirror; exit status 77 says that something of that is absent.
+# In clean trees of a release (bookworm where none is named): build them from the
+# tarball; ask its lintian; install, render as an ordinary user, remove, purge; and
+# boot such a tree with systemd (booted.sh), where that is allowed.  Needs root,
+# mmdebstrap and a mirror with its keys; exit status 77 says that something of that
+# is absent.
 set -u
 # what is mounted here goes with this process
 [ -n "${RADD_MOUNTS-}" ] || [ "$(id -u)" -ne 0 ] ||
@@ -12,7 +13,7 @@ set -u
 here=$(cd "$(dirname "$0")" && pwd)
 tarball=$(realpath "${1?the tarball of make dist}") || exit 1
 work=$(mktemp -d /var/tmp/radd-packages.XXXXXX) || exit 1
-suite=bookworm
+suite=${2-bookworm}
 trap 'umount "$work"/*/proc 2>/dev/null
     rm -rf --one-file-system "$work"' EXIT
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
@@ -64,6 +65,9 @@ build_packages()
     in_tree build sh -c 'cd /src && mkdir other && cd other &&
         exec ../configure --silent' >"$work/log" 2>&1 ||
         die "after the packages, the tree builds nothing else"
+    quietly in_tree build apt-get install -y -q --no-install-recommends lintian
+    in_tree build sh -c 'lintian --allow-root --fail-on error,warning \
+        /radd_*.changes' || die "lintian"
     mkdir "$work/debs" && mv "$work"/build/*.deb "$work"/build/*.changes \
         "$work"/build/*.buildinfo "$work/debs" || die "packages"
     umount "$work/build/proc" && rm -rf --one-file-system "$work/build"
@@ -112,10 +116,13 @@ try_installed()
 {
     tree installed
     # what the packages need stays when they are purged
-    local needs='systemd libuv1 libpng16-16 libssl3 libjansson4 libinih1
-        libexpat1 libseccomp2 libsqlite3-0 libncursesw6 libmicrohttpd12'
-    quietly in_tree installed apt-get install -y -q --no-install-recommends \
-        $needs
+    local deb needs=systemd
+    for deb in "$work"/debs/*.deb; do
+        needs=$needs,$(dpkg-deb -f "$deb" Depends)
+    done
+    needs=$(tr , '\n' <<<"$needs" | grep -vE '^ *(rad|$)' | sort -u | paste -sd ,)
+    quietly in_tree installed apt-get satisfy -y -q --no-install-recommends \
+        "$needs"
     files_of installed >"$work/before"
     install_packages installed
     in_tree installed id radd >/dev/null || die "no user radd"
@@ -169,17 +176,15 @@ EOF
 }
 
 [ "$(id -u)" -eq 0 ] || skip "not root"
-for p in mmdebstrap lintian dpkg-deb; do
+for p in mmdebstrap dpkg-deb; do
     command -v $p >/dev/null || skip "no $p"
 done
 mmdebstrap --mode=root --variant=minbase $suite "$work/base" >"$work/log" \
-    2>&1 || skip "no tree of Debian: $(tail -n 1 "$work/log")"
+    2>&1 || skip "no tree of $suite: $(tail -n 1 "$work/log")"
 # a tree that is thrown away need not be on the disk
 echo force-unsafe-io >"$work/base/etc/dpkg/dpkg.cfg.d/unsafe-io"
 quietly in_tree base apt-get update -q
 build_packages
-lintian --allow-root --fail-on error,warning "$work"/debs/*.changes ||
-    die "lintian"
 next_version
 try_installed
 if command -v systemd-nspawn >/dev/null; then
