@@ -435,7 +435,8 @@ begun_without(long allocation, bool sealed)
     pid_t pid = fork();
 
     if (pid == 0) {
-        freopen("/dev/null", "w", stderr);
+        if (freopen("/dev/null", "w", stderr) == NULL)
+            _exit(2);
         setrlimit(RLIMIT_CPU, &patience);
         if (sealed && sandbox_begin(dir, true, NULL) < 0)
             _exit(2);
