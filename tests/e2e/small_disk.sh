@@ -14,7 +14,7 @@ fi
 small_disk()
 {
     disk=$1
-    mkdir "$disk"
+    mkdir -m 700 "$disk" # a daemon takes no folder that a group may write to
     [ "$FULL_TMPFS" = yes ] &&
         mount -t tmpfs -o size=16m,mode=700 none "$disk" && return
     [ -e "$top_builddir/tests/tools/disaster.so" ] || exit 77
