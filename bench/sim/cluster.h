@@ -110,7 +110,8 @@ struct cluster {
     uint8_t job[MSG_JOB];
     uint64_t sequence; /* of the job, as the coordinator numbers it */
     uint64_t next_conn, client;
-    uint64_t coord_busy_us, coord_out_us, disk_us, start_us, random;
+    uint64_t coord_in_us, coord_busy_us, coord_out_us, disk_us, start_us,
+        random;
     bool over;
     uint32_t passes;                     /* that are closed */
     uint64_t closed_us[RAD_MOST_PASSES]; /* when it was; 0: it is open */

@@ -1,6 +1,7 @@
 #!/bin/sh
 # sim_windows.sh - the simulator takes windows for what a former run's took,
-# and gives a host as many threads as it is told
+# gives a host as many threads as it is told, and lets messages come while the
+# coordinator is at others
 #
 # Sixteen windows, the first of which took most of the time: two hosts need
 # about as long as one.  By rows alone its neighbours would share its cost.
@@ -41,4 +42,17 @@ awk -v even="$even" -v uneven="$uneven" 'BEGIN {
 threads=$("$sim" --ways=auto --size=480x320 --seconds=20 --threads=4 --hosts=1 |
     awk '$1 == 1 && NF == 3 { print $2 }')
 echo "four threads of one host: $threads times as fast"
-awk -v n="$threads" 'BEGIN { exit !(n > 3.5 && n <= 4) }'
+awk -v n="$threads" 'BEGIN { exit !(n > 3.5 && n <= 4) }' || exit 1
+
+# rows of a thousand windows: their line and the coordinator work side by side
+many_windows() # OPTION...
+{
+    "$sim" --ways=window --windows=1000 --size=960x640 --seconds=.5 --hosts=8 \
+        "$@" --details | awk '$1 == "window" && $4 == "s" { print $3 }'
+}
+
+line=$(many_windows --bandwidth=12)
+both=$(many_windows --bandwidth=12 --coord=500)
+echo "rows on a slow line: $line s, to a slow coordinator: $both s"
+awk -v line="$line" -v both="$both" 'BEGIN {
+    exit !(line > 1.5 && both >= line && both < 1.1 * line) }'
