@@ -105,11 +105,9 @@ tiles_scale(struct tiles *t, double seconds)
     t->live_s *= by;
     t->picture_s *= by;
     t->passes_s *= by;
-    for (uint32_t i = 0; i < t->npasses; i++) {
-        t->pass[i].begin_s *= by;
+    for (uint32_t i = 0; i < t->npasses; i++)
         for (uint32_t k = 0; k < t->pass[i].n; k++)
             t->pass[i].tile[k].seconds *= by;
-    }
 }
 
 void

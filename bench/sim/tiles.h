@@ -38,7 +38,8 @@ struct tiles {
 /* RAD_ENOINPUT; RAD_EDATA: damaged, or of another plan than
  * rad_passes_plan() makes now. */
 int tiles_read(struct tiles *t, const char *file, struct rad_error *err);
-/* Scale all seconds, so that passes and picture take so many in all. */
+/* Scale the seconds of tiles and of the picture, so that they take so many in
+ * all, as with dearer rays; where paths end takes as long to find as before. */
 void tiles_scale(struct tiles *t, double seconds);
 void tiles_release(struct tiles *t);
 
