@@ -131,7 +131,8 @@ set_lines(struct rad_job *job, struct text *t, const char *s, size_t len,
     return 0;
 }
 
-/* Set the words from string `first` on, as one line. */
+/* Set the words from string `first` on, as one line: a newline in a
+ * quoted word begins no other. */
 static int
 set_words(struct rad_job *job, const struct rad_object *o, int first,
           struct text *t, struct rad_error *err)
@@ -153,7 +154,11 @@ set_words(struct rad_job *job, const struct rad_object *o, int first,
         p += n;
         *p++ = ' ';
     }
-    code = set_lines(job, t, buf, len ? len - 1 : 0, &why);
+    t->line = rad_arena_calloc(&job->arena, 1, sizeof *t->line);
+    t->nlines = 1;
+    code = t->line ? rad_textline_set(t->line, t->font, &job->arena, buf,
+                                      len ? len - 1 : 0, t->spacing, &why)
+                   : rad_fail_memory(&why);
     free(buf);
     return code < 0 ? rad_material_file_fail(job, o, "text", &why, err) : 0;
 }

@@ -142,6 +142,9 @@ static const struct {
     { "mixtext m 5 one two box.fnt . A 0 10 1.5 4 0 2 0 0 0 -2 0 -.5", 0, 1 },
     { "mixtext m 5 void two box.fnt . A 0 9 1 4 0 2 0 0 0 -2 0", 0, 3 },
     { "mixtext m 4 one two box.fnt . 0 9 1 4 0 2 0 0 0 -2 0", 0, 1 },
+    /* a newline in a quoted word begins no line */
+    { "mixtext m 5 one two box.fnt . \"\nA\" 0 9 1 4 0 2 0 0 0 -2 0", 1, 0 },
+    { "mixtext m 5 one two box.fnt . \"\nA\" 0 9 1 6 0 2 0 0 0 -2 0", 0, 1 },
 };
 
 LOOP_TEST(mixture_weighs_its_materials, N_ELEM(mixed))
