@@ -5,6 +5,7 @@
 
 #include "tone/legend.h"
 #include "base/number.h"
+#include "base/vec.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -118,7 +119,7 @@ rad_false_parse(struct rad_false_scale *s, const char *text,
     char part[80];
     bool first = true;
 
-    *s = (struct rad_false_scale){ .decades = -1, .divisions = DIVISIONS };
+    *s = (struct rad_false_scale){ .decades = -1 };
     for (const char *at = text; at && *text; first = false) {
         size_t n = strcspn(at, ",");
 
@@ -223,89 +224,120 @@ value_at(const struct rad_false_scale *s, double place)
 
 /* --- colours --- */
 
+struct drawing {
+    struct rad_false_scale scale;
+    const struct rad_picture *pic;
+    struct rad_legend legend; /* its ticks part the divisions */
+};
+
+/* Where division i, counted from 0, begins.  A division above the last tick is
+ * as wide as the one below. */
+static double
+start_of(const struct rad_legend *l, int i)
+{
+    if (i <= l->nticks)
+        return i > 0 ? l->tick[i - 1].at : 0;
+    return 2 * start_of(l, i - 1) - start_of(l, i - 2);
+}
+
+/* How many divisions place v is above the scale's beginning.  The division
+ * above the last tick has no end. */
+static double
+divisions_to(const struct rad_legend *l, double v)
+{
+    double from;
+    int i = 0;
+
+    while (i < l->nticks && v >= l->tick[i].at)
+        i++;
+    from = start_of(l, i);
+    return i + rad_least((v - from) / (start_of(l, i + 1) - from), .999);
+}
+
 static void
 scale_colour(const void *arg, double v, uint8_t rgb[3])
 {
-    const struct rad_false_scale *s = arg;
+    const struct drawing *d = arg;
 
     v = v < 1 ? v : nextafter(1, 0);
-    if (s->contour == RAD_CONTOUR_STEPS)
-        v = (floor(v * s->divisions) + .5) / s->divisions;
+    if (d->scale.contour == RAD_CONTOUR_STEPS) {
+        int i = (int)divisions_to(&d->legend, v);
+
+        v = (start_of(&d->legend, i) + start_of(&d->legend, i + 1)) / 2;
+    }
     colour_at(&luminance_ramp, v, rgb);
 }
 
-/* Is place v within half a division of a contour that has a tick?  There is no
- * contour at 0. */
+/* Is a place so many divisions up within half a division of a contour?  There
+ * is no contour at 0. */
 static bool
-near_contours(const struct rad_false_scale *s, double v)
+near_contours(const struct rad_legend *l, double up)
 {
-    double half = .5 / s->divisions;
-
-    return v >= half && v < 1 + half;
+    return up >= .5 && up < l->nticks + .5;
 }
 
 static bool
-in_band(const struct rad_false_scale *s, double v)
+in_band(const struct rad_legend *l, double up)
 {
-    double part = v * s->divisions - floor(v * s->divisions);
+    double part = up - floor(up);
 
-    return near_contours(s, v) && (part <= .1 || part >= .9);
+    return near_contours(l, up) && (part <= .1 || part >= .9);
 }
-
-struct field {
-    const struct rad_false_scale *scale;
-    const struct rad_picture *pic;
-};
 
 static double
-place_at(const struct field *f, int x, int y)
+place_at(const struct drawing *d, int x, int y)
 {
-    int w = f->pic->width, h = f->pic->height;
+    int w = d->pic->width, h = d->pic->height;
 
     x = x < 0 ? 0 : x < w ? x : w - 1;
     y = y < 0 ? 0 : y < h ? y : h - 1;
-    return place_of(f->scale,
-                    value_of(f->pic->L[(size_t)y * (size_t)w + (size_t)x]));
+    return place_of(&d->scale,
+                    value_of(d->pic->L[(size_t)y * (size_t)w + (size_t)x]));
+}
+
+static double
+divisions_at(const struct drawing *d, int x, int y)
+{
+    return divisions_to(&d->legend, place_at(d, x, y));
 }
 
 /* Is there a contour between the pixel's neighbours? */
 static bool
-on_line(const struct field *f, int x, int y)
+on_line(const struct drawing *d, int x, int y)
 {
-    int n = f->scale->divisions;
-
-    return near_contours(f->scale, place_at(f, x, y)) &&
-           (floor(n * place_at(f, x - 1, y)) !=
-                floor(n * place_at(f, x + 1, y)) ||
-            floor(n * place_at(f, x, y - 1)) !=
-                floor(n * place_at(f, x, y + 1)));
+    return near_contours(&d->legend, divisions_at(d, x, y)) &&
+           (floor(divisions_at(d, x - 1, y)) !=
+                floor(divisions_at(d, x + 1, y)) ||
+            floor(divisions_at(d, x, y - 1)) !=
+                floor(divisions_at(d, x, y + 1)));
 }
 
-/* The colour of the contour nearest to place v.  The contours' colours spread
- * over the whole ramp. */
+/* The colour of the contour nearest to a place so many divisions up.  The
+ * contours' colours spread over the whole ramp. */
 static void
-contour_colour(const struct rad_false_scale *s, double v, uint8_t rgb[3])
+contour_colour(const struct rad_legend *l, double up, uint8_t rgb[3])
 {
-    double n = s->divisions;
+    double first = start_of(l, 1), last = start_of(l, l->nticks);
+    double at = start_of(l, (int)floor(up + .5));
 
-    v = floor(v * n + .5) / n;
-    colour_at(&luminance_ramp, n > 1 ? (v * n - 1) / (n - 1) : 1, rgb);
+    colour_at(&luminance_ramp, last > first ? (at - first) / (last - first) : 1,
+              rgb);
 }
 
 static void
-pixel_colour(const struct field *f, int x, int y, uint8_t rgb[3])
+pixel_colour(const struct drawing *d, int x, int y, uint8_t rgb[3])
 {
-    const struct rad_false_scale *s = f->scale;
-    double v = place_at(f, x, y);
+    enum rad_contour contour = d->scale.contour;
+    double gamma = d->scale.decades > 0 ? 1 : 1 / 2.2;
+    double v = place_at(d, x, y), up = divisions_to(&d->legend, v);
 
-    if (s->contour == RAD_CONTOUR_NONE || s->contour == RAD_CONTOUR_STEPS)
-        scale_colour(s, v, rgb);
-    else if (s->contour == RAD_CONTOUR_LINES ? on_line(f, x, y) : in_band(s, v))
-        contour_colour(s, v, rgb);
+    if (contour == RAD_CONTOUR_NONE || contour == RAD_CONTOUR_STEPS)
+        scale_colour(d, v, rgb);
+    else if (contour == RAD_CONTOUR_LINES ? on_line(d, x, y)
+                                          : in_band(&d->legend, up))
+        contour_colour(&d->legend, up, rgb);
     else /* half as bright as white, so that contours stand out */
-        memset(rgb,
-               (int)(128 * pow(v < 1 ? v : 1, s->decades > 0 ? 1 : 1 / 2.2)),
-               3);
+        memset(rgb, (int)(128 * pow(v < 1 ? v : 1, gamma)), 3);
 }
 
 /* --- legends --- */
@@ -336,11 +368,12 @@ tick_divisions(const struct rad_false_scale *s, struct rad_legend *l)
     }
 }
 
-/* For a logarithmic scale without contours set ticks at 1, 2 and 5 times powers
- * of ten, or only at powers of ten if there are many. */
+/* Set ticks of a logarithmic scale at 1, 2 and 5 times powers of ten, or only
+ * at powers of ten if there are many; not at 0 if the scale has contours. */
 static void
 tick_powers(const struct rad_false_scale *s, struct rad_legend *l)
 {
+    double least = s->contour != RAD_CONTOUR_NONE ? 1e-9 : -1e-9;
     int few = s->decades > 3 ? 1 : 3;
     int first = (int)floor(log10(s->top) - s->decades) - 1;
 
@@ -350,7 +383,7 @@ tick_powers(const struct rad_false_scale *s, struct rad_legend *l)
             struct rad_legend_tick *t = &l->tick[l->nticks];
 
             at = 1 + log10(v / s->top) / s->decades;
-            if (at < -1e-9 || at > 1 + 1e-9 || l->nticks == RAD_LEGEND_TICKS)
+            if (at < least || at > 1 + 1e-9 || l->nticks == RAD_LEGEND_TICKS)
                 continue;
             t->at = at < 0 ? 0 : at < 1 ? at : 1;
             write_value(t->text, v);
@@ -358,29 +391,41 @@ tick_powers(const struct rad_false_scale *s, struct rad_legend *l)
         }
 }
 
+/* A scale that is too short for round numbers has divisions. */
+static void
+set_ticks(struct rad_false_scale *s, struct rad_legend *l)
+{
+    bool contours = s->contour != RAD_CONTOUR_NONE;
+
+    if (s->decades > 0 && !(contours && (s->divisions > 0 || s->decades < 1)))
+        tick_powers(s, l);
+    else {
+        s->divisions = s->divisions > 0 ? s->divisions : DIVISIONS;
+        tick_divisions(s, l);
+    }
+}
+
 int
 rad_false_colour(const struct rad_false_scale *scale,
                  const struct rad_picture *pic, struct rad_image *out,
                  struct rad_error *err)
 {
-    struct rad_false_scale s = *scale;
-    struct field f = { &s, pic };
-    struct rad_legend l = { .colour = scale_colour, .arg = &s };
+    struct drawing d = { .scale = *scale, .pic = pic };
+    struct rad_false_scale *s = &d.scale;
     int rc;
 
-    s.top = s.top > 0 ? s.top : 1;
-    s.decades = s.decades > 0 ? s.decades : 0;
-    l.title = s.label;
-    if (s.decades > 0 && s.contour == RAD_CONTOUR_NONE)
-        tick_powers(&s, &l);
-    else
-        tick_divisions(&s, &l);
-    rc = rad_legend_image(&l, pic->width, pic->height, out, err);
+    s->top = s->top > 0 ? s->top : 1;
+    s->decades = s->decades > 0 ? s->decades : 0;
+    d.legend.title = s->label;
+    d.legend.colour = scale_colour;
+    d.legend.arg = &d;
+    set_ticks(s, &d.legend);
+    rc = rad_legend_image(&d.legend, pic->width, pic->height, out, err);
     for (int y = 0; rc == 0 && y < pic->height; y++)
         for (int x = 0; x < pic->width; x++) {
             uint8_t rgb[3];
 
-            pixel_colour(&f, x, y, rgb);
+            pixel_colour(&d, x, y, rgb);
             rad_image_pixel(out, x, y, rgb);
         }
     return rc;

@@ -4,9 +4,11 @@
  * if the picture has irradiance.  Its place v on the scale is value / top, or
  * on a logarithmic scale log10(value / top) / decades + 1, but at least 0.  The
  * scale has divisions, and contours are at whole numbers of divisions, as in
- * falsecolor(1) with its -s, -log, -n, and -cl, -cb or -cp.  The colours are
- * our own, from dark blue over green to yellow.  Each is lighter than the one
- * before, so that they can be told apart in grey, too.
+ * falsecolor(1) with its -s, -log, -n, and -cl, -cb or -cp; but a logarithmic
+ * scale of a decade or more, for which no number of divisions is said, has its
+ * contours at round numbers.  The colours are our own, from dark blue over
+ * green to yellow.  Each is lighter than the one before, so that they can be
+ * told apart in grey, too.
  * Differences are the ln of the ratio of luminances: blue if the test picture
  * is darker, red if it is brighter, grey if they are equal.  The scale ends at
  * a factor of 2.
@@ -32,14 +34,13 @@ struct rad_false_scale {
     double top;     /* cd/m2 or lux; 0: chosen by the picture */
     double decades; /* 0: linear; negative: 3 if the picture chooses the top,
                      * else linear */
-    int divisions;  /* 1 to RAD_FALSE_DIVISIONS */
+    int divisions;  /* 1 to RAD_FALSE_DIVISIONS; 0: ten, or by round numbers */
     enum rad_contour contour;
     char label[RAD_FALSE_LABEL + 1]; /* the unit; "": "cd/m2" or "lux" */
 };
 
 /* Parse "auto|SCALE[,log=DECADES][,n=DIVISIONS][,contour=lines|bands|steps]
- * [,label=TEXT]".  Each part may be left out; the default is ten divisions.
- * RAD_EUSAGE. */
+ * [,label=TEXT]".  Each part may be left out.  RAD_EUSAGE. */
 int rad_false_parse(struct rad_false_scale *s, const char *text,
                     struct rad_error *err);
 

@@ -45,11 +45,11 @@ static const struct {
     enum rad_contour contour;
     const char *label;
 } scales[] = {
-    { "500", 500, -1, 10, RAD_CONTOUR_NONE, "" },
-    { "500,log=2", 500, 2, 10, RAD_CONTOUR_NONE, "" },
+    { "500", 500, -1, 0, RAD_CONTOUR_NONE, "" },
+    { "500,log=2", 500, 2, 0, RAD_CONTOUR_NONE, "" },
     { "2e4,n=8,contour=lines", 2e4, -1, 8, RAD_CONTOUR_LINES, "" },
-    { ".5,contour=bands,label=nits", .5, -1, 10, RAD_CONTOUR_BANDS, "nits" },
-    { "1,contour=steps,log=0", 1, 0, 10, RAD_CONTOUR_STEPS, "" },
+    { ".5,contour=bands,label=nits", .5, -1, 0, RAD_CONTOUR_BANDS, "nits" },
+    { "1,contour=steps,log=0", 1, 0, 0, RAD_CONTOUR_STEPS, "" },
     { "0", 0, 0, 0, 0, 0 },
     { "-5", 0, 0, 0, 0, 0 },
     { "nan", 0, 0, 0, 0, 0 },
@@ -191,6 +191,42 @@ TEST(contours_part_neighbours)
                       x);
     }
     free(m.rgb);
+    rad_picture_release(&p);
+}
+
+/* 5 and 10 are below what this picture has, 500 is above the scale. */
+TEST(logarithmic_contours_are_at_round_numbers)
+{
+    static const double v[] = { 19, 19, 21,  21,  49,  49,  51,  51,
+                                99, 99, 101, 101, 240, 240, 301, 301 };
+    static const bool line[] = { false, true,  true,  false, false, true,
+                                 true,  false, false, true,  true,  true,
+                                 true,  false, false, false };
+    static const int step[] = {
+        0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 4, 4, 4, 4
+    };
+    static const char *const modes[] = { "300,log=2,contour=lines",
+                                         "300,log=2,contour=steps" };
+    struct rad_picture p = picture(16, 1, v);
+    struct rad_image m[2];
+
+    for (int i = 0; i < 2; i++) {
+        struct rad_false_scale s;
+
+        ck_assert_int_eq(rad_false_parse(&s, modes[i], NULL), 0);
+        rad_false_fit(&s, &p);
+        ck_assert_int_eq(rad_false_colour(&s, &p, &m[i], NULL), 0);
+    }
+    for (int x = 0; x < 16; x++) {
+        const uint8_t *c = at(&m[0], x, 0);
+
+        ck_assert_msg((c[0] != c[1] || c[1] != c[2]) == line[x], "pixel %d", x);
+    }
+    for (int x = 1; x < 16; x++)
+        ck_assert((memcmp(at(&m[1], x, 0), at(&m[1], x - 1, 0), 3) == 0) ==
+                  (step[x] == step[x - 1]));
+    for (int i = 0; i < 2; i++)
+        free(m[i].rgb);
     rad_picture_release(&p);
 }
 
