@@ -419,12 +419,20 @@ redo(struct look *k, const struct area *a, struct redone *r, int frame)
     }
 }
 
+/* How many times less noise averages out to in the area than in one of 5 by 5
+ * pixels.  (Without --oversample all areas count as such.) */
+static double
+evened(const struct look *k, const struct area *a)
+{
+    return k->oversample > 1 ? sqrt(a->n) / SIDE : 1;
+}
+
 /* The probability that the area is rendered a second time, given the first. */
 static double
-go_on(const struct look *k, const struct redone *r)
+go_on(const struct look *k, const struct area *a, const struct redone *r)
 {
     double all = (r->light + r->fresh[FIRST]) / 2;
-    double by_off = BY_OFF * k->oversample;
+    double by_off = BY_OFF * evened(k, a);
 
     return all > 0 ? fmin(GO_ON + by_off * fabs(r->off[FIRST]) / all, 1)
                    : GO_ON;
@@ -453,7 +461,7 @@ look_at_area(struct look *k, const struct area *a, double weight)
     if (is_stopped(k))
         return;
     k->sum[RAD_DOUBT_AREAS] += weight;
-    likely = go_on(k, &r);
+    likely = go_on(k, a, &r);
     if (draw(k) >= likely)
         return;
     redo(k, a, &r, SECOND);
@@ -492,9 +500,9 @@ static void
 look_about(struct look *k, const struct area *a,
            const struct rad_doubt_share *share)
 {
-    double rough = 1 + BY_ROUGHNESS * k->oversample * roughness(k, a);
-    double fewer = k->oversample * k->oversample;
-    double likely = fmin(share->areas * a->n * rough / fewer, 1);
+    double rough = 1 + BY_ROUGHNESS * evened(k, a) * roughness(k, a);
+    double pixels = k->oversample > 1 ? SIDE * SIDE : a->n;
+    double likely = fmin(share->areas * pixels * rough, 1);
 
     if (draw(k) < likely)
         look_at_area(k, a, 1 / likely);
@@ -553,15 +561,30 @@ with_key(const struct rad_frame *f, uint64_t which)
     return out;
 }
 
+/* The width of areas in rows.  A sensor point is an area by itself: a user
+ * reads each point, not the mean of neighbours.  With --oversample rows may be
+ * much lower than an area: then areas are no longer than a square, which has
+ * neighbours as near to each other (the sum of the sides' squares is the same),
+ * so that errors that pixels share are the same part of both; and lacks()
+ * counts for what pixels err by alone. */
+static int
+width_of_areas(const struct rad_doubt_rows *rows)
+{
+    int side = SIDE * oversample_of(rows->frame), n = rows->n;
+
+    if (rows->frame->points)
+        return 1;
+    if (oversample_of(rows->frame) > 1 && n < side)
+        return (int)(sqrt(2 * side * side - n * n) + .5);
+    return (side * side + n / 2) / n;
+}
+
 /* The area that begins at column x.  The columns left are cut into equal parts,
- * because a narrow area at the end would count as much as any other.  A sensor
- * point is an area by itself: a user reads each point, not the mean of
- * neighbours. */
+ * because a narrow area at the end would count as much as any other. */
 static struct area
 area_at(const struct rad_doubt_rows *rows, int x)
 {
-    int side = SIDE * oversample_of(rows->frame);
-    int width = rows->frame->points ? 1 : (side * side + rows->n / 2) / rows->n;
+    int width = width_of_areas(rows);
     int left = rows->width - x, parts = (left + width / 2) / width;
     struct area a = { .x = x, .width = parts > 1 ? left / parts : left };
 

@@ -90,8 +90,8 @@ struct rad_error_squares rad_doubt_squares(const struct rad_doubt *d);
 #define RAD_DOUBT_SIDE 5
 
 /* Per rendered pixel, how many areas and places to look at; with INFINITY
- * areas each area.  With rad_frame.oversample areas have as many more pixels as
- * a pixel that is written, and as many times fewer are looked at. */
+ * areas each area.  With rad_frame.oversample an area counts for the 25 pixels
+ * that are written, so as many times fewer are looked at. */
 struct rad_doubt_share {
     double areas, places;
 };

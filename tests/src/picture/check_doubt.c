@@ -131,13 +131,15 @@ LOOP_TEST(what_is_off_is_found, N_ELEM(parts))
 static double
 error_of_noise(int oversample, int lines)
 {
+    /* evenly lit: what is bright in an area has its noise alone */
+    static const char wall[] = "-vp 0 0 2.5 -vd -1 0 0 -vh 45 -vv 45";
     const struct rad_doubt_share all = { INFINITY, 0 };
     struct rad_doubt sums = { { 0 } };
 
     for (uint64_t key = 0; key < 12; key++) {
         struct rad_doubt d;
 
-        make(PURE);
+        make_of(scene_text, wall, PURE);
         pic.frame.oversample = oversample;
         for (uint32_t i = 0; i < 90 * 90; i++) {
             struct rad_rgb *L = &pic.pixel[i].L;
@@ -160,6 +162,46 @@ TEST(noise_is_less_where_pixels_are_filtered_down)
     ck_assert_double_eq_tol(error_of_noise(2, 8), one / 2, .1 * one);
     ck_assert_double_eq_tol(error_of_noise(3, 8), one / 3, .1 * one);
     ck_assert_double_eq_tol(error_of_noise(5, 1), one / 5, .1 * one);
+}
+
+/* The error of all areas of 10 by 10 pixels. */
+static double
+error_of_squares(void)
+{
+    const struct rad_doubt_share all = { INFINITY, 0 };
+    struct rad_doubt found = { { 0 } };
+    const struct rad_pixel *row[90];
+    const struct rad_doubt_rows whole = { &pic.frame, 0, 0, 90, 90, row };
+
+    for (int y = 0; y < 90; y++)
+        row[y] = pic.pixel + y * 90;
+    ck_assert(rad_doubt_look_at_window(&whole, &pic.w.ctx, &all, NULL, &found));
+    return rad_doubt_error(&found).all;
+}
+
+/* Errors that run as far as areas do, here over blocks of 9 by 9 pixels, are
+ * found in rows of few lines to be what they are in squares. */
+TEST(low_rows_find_what_squares_find)
+{
+    static const int lines[] = { 1, 2, 4 };
+    const struct rad_doubt_share all = { INFINITY, 0 };
+    double squares;
+
+    make(PURE);
+    pic.frame.oversample = 2;
+    for (int i = 0; i < 90 * 90; i++) {
+        uint32_t block = (uint32_t)(i / 90 / 9 * 10 + i % 90 / 9);
+        struct rad_rgb *L = &pic.pixel[i].L;
+
+        *L = rad_rgb_scale(*L, rad_rand(7, block) < .5 ? .8f : 1.25f);
+    }
+    squares = error_of_squares();
+    ck_assert_double_gt(squares, .1);
+    for (int i = 0; i < 3; i++) {
+        struct rad_doubt d = look(lines[i], all);
+
+        ck_assert_double_eq_tol(rad_doubt_error(&d).all, squares, .1 * squares);
+    }
 }
 
 /* An error that neighbours share does not, and fewer areas are looked at for as
