@@ -21,12 +21,13 @@
 #define AREAS   5.
 #define POINTS  16. /* sensors looked at, each an area, in place of AREAS */
 
-/* The size of a window: in steps of the sampler across, times --oversample, and
- * in base lines.  With --oversample it holds an area at least. */
+/* The size of a window: in steps of the sampler across, more with --oversample,
+ * and in base lines.  With --oversample it holds an area at least. */
 enum {
     STEPS = 4,
     LINES = 3,
-    MOST_WIDTH = STEPS * RAD_QUINCUNX_MAX_XSTEP * RAD_MAX_OVERSAMPLE + 1,
+    MOST_WIDTH =
+        STEPS * (RAD_MAX_OVERSAMPLE + 1) / 2 * RAD_QUINCUNX_MAX_XSTEP + 1,
     MOST_HEIGHT = LINES * RAD_QUINCUNX_MAX_YSTEP + 1
 };
 _Static_assert(RAD_DOUBT_SIDE *RAD_MAX_OVERSAMPLE < MOST_HEIGHT, "no room");
@@ -106,7 +107,7 @@ window_at(const struct check *c, uint64_t n)
     if (c->oversample == 1)
         area = 0;
     rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
-    w.width = most(STEPS * c->oversample * xstep, area) + 1;
+    w.width = most(STEPS * (c->oversample + 1) / 2 * xstep, area) + 1;
     w.height = most(LINES * ystep, area) + 1;
     w.width = least(w.width, f->width);
     w.height = least(w.height, f->height);
@@ -141,7 +142,7 @@ static bool
 look_at_window(struct check *c, const struct sampled *s)
 {
     double pixels = (double)s->at.width * s->at.height * c->windows;
-    double areas = s->frame.points ? POINTS : AREAS * c->oversample;
+    double areas = s->frame.points ? POINTS : AREAS;
     struct rad_doubt_share share = { c->small ? INFINITY : areas / pixels, 0 };
     struct rad_doubt_rows rows = {
         &s->frame,   s->at.x,      s->at.y,

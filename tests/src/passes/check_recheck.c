@@ -21,6 +21,7 @@ struct room {
     struct rad_passes *passes;
     uint32_t ntiles;
     bool backward, twice;
+    _Atomic uint64_t rays; /* of all tiles */
     _Atomic uint32_t next;
     struct rad_refine_sums of[MOST];
 };
@@ -118,6 +119,7 @@ work(void *arg)
     ck_assert_uint_eq(ctx.counts.primary_rays, 0);
     ck_assert_uint_eq(ctx.counts.ambient_values, 0);
     ck_assert(!ctx.fresh);
+    atomic_fetch_add(&m->rays, ctx.counts.rays);
     rad_ctx_release(&ctx);
     return NULL;
 }
@@ -130,6 +132,7 @@ make_tiles(struct room *m, int threads, bool backward, bool twice)
     m->backward = backward;
     m->twice = twice;
     m->next = 0;
+    m->rays = 0;
     memset(m->of, 0, sizeof m->of);
     for (int i = 0; i < threads; i++)
         ck_assert_int_eq(pthread_create(&thread[i], NULL, work, m), 0);
@@ -198,6 +201,22 @@ TEST(a_picture_that_is_filtered_down_is_found_to_have_less_noise)
     }
     ck_assert_double_lt(e[1].sampling, .5 * e[0].sampling);
     ck_assert_double_gt(e[1].ambient, .5 * e[0].ambient);
+}
+
+/* A check takes no more rays for it. */
+TEST(a_picture_that_is_filtered_down_is_checked_as_cheaply)
+{
+    struct room *m = &rooms[0];
+    uint64_t rays[2];
+
+    for (int i = 0; i < 2; i++) {
+        open_filtered_room(m, COARSE "-x 192 -y 192 -ps 6 -ds .2 -dj .9",
+                           1 + i);
+        make_tiles(m, THREADS, false, false);
+        rays[i] = m->rays;
+        close_room(m);
+    }
+    ck_assert_uint_lt(rays[1], rays[0] + rays[0] / 20);
 }
 
 TEST(a_tile_can_be_stopped)
