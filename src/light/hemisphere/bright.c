@@ -314,6 +314,6 @@ rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
     for (size_t i = 0; i < b->n; i++)
         if (square[i] > all) {
             rad_bright_where(&b->place[i], h, p, at);
-            cell[cell_at(at, h->n)].square += square[i];
+            cell[rad_contrast_at(cell_at(at, h->n), h->n)].square += square[i];
         }
 }

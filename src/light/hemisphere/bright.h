@@ -62,9 +62,10 @@ void rad_bright_where(const struct rad_bright_place *q,
                       const struct rad_hemi *h, const double p[3],
                       double at[2]);
 
-/* Add to cell[k].square the mean square of the luminance that places in cell k
- * of a hemisphere at p are expected to bring; dim places (RAD_BRIGHT_DIM) are
- * left out.  share: of all places, as rad_bright_look() sets it. */
+/* Add to each cell's square (contrast.h) the mean square of the luminance that
+ * places in that cell of a hemisphere at p are expected to bring; dim places
+ * (RAD_BRIGHT_DIM) are left out.  share: of all places, as rad_bright_look()
+ * sets it. */
 void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
                       const double p[3], const double *share,
                       struct rad_contrast *cell);

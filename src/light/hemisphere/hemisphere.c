@@ -311,23 +311,24 @@ worth_sharing(const struct sampler *s, int more)
     return n >= MIN_SIDE && more >= (s->plan->bright ? 1 : 4) * n;
 }
 
-/* The cells' shares of the further rays, in scratch; `bright` is as
+/* The cells and their shares of the further rays, in scratch; `bright` is as
  * rad_bright_look() sets it for all places.  NULL: out of memory. */
 static struct rad_contrast *
 set_shares(const struct sampler *s, const double *bright)
 {
     const struct rad_hemi *h = s->h;
     int n = h->n;
-    struct rad_contrast *c =
-        rad_arena_calloc(&s->ctx->scratch, (size_t)(n * n), sizeof *c);
+    struct rad_contrast *c = rad_arena_calloc(
+        &s->ctx->scratch, (size_t)rad_contrast_size(n), sizeof *c);
 
     if (!c)
         return NULL;
     for (int k = 0; k < n * n; k++) {
         const struct tally *t = &s->tally[k];
 
-        c[k].lum = rad_rgb_lum(h->cell[k].L) *
-                   part_of_cell(s, 1, (k % n + t->x) / n, (k / n + t->y) / n);
+        c[rad_contrast_at(k, n)].lum =
+            rad_rgb_lum(h->cell[k].L) *
+            part_of_cell(s, 1, (k % n + t->x) / n, (k / n + t->y) / n);
     }
     if (s->plan->bright && s->guided == 0)
         rad_bright_cells(s->plan->bright, h, s->r->hit.p, bright, c);
@@ -369,7 +370,8 @@ super_sample(struct sampler *s, int count)
     if (shared)
         c = set_shares(s, bright);
     for (int k = 0; (c || s->guided > 0) && k < n * n; k++) {
-        double share = c ? c[k].share * (count - s->guided) : 0;
+        double share =
+            c ? c[rad_contrast_at(k, n)].share * (count - s->guided) : 0;
         /* rounded up with a probability equal to the fraction */
         int more = (int)(share + rad_rand(s->key, DIM_ROUND + (uint32_t)k));
 

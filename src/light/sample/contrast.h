@@ -19,15 +19,28 @@ struct rad_contrast {
     double share;  /* set to the cell's share of the further samples; the shares
                     * of all cells sum to about 1, or to 0 if no luminance
                     * differs and all squares are 0 */
-    /* inside only: the number of cells around this cell, the sums of their
-     * luminances and of the squares of these; the deviation expected of the
-     * cell */
-    int around;
-    double sum, sum2, noise;
+    /* inside only: the sums of the luminances around this cell and of their
+     * squares; the inverse of the number of cells there, less one; the
+     * deviation expected of the cell */
+    double sum, sum2, less, noise;
 };
 
-/* Set the shares of n * n cells, row by row.  The caller has set lum and
- * square, and all other fields to 0. */
+/* n * n cells lie row by row within a border of one cell, in an array of
+ * rad_contrast_size(n): where cell k is. */
+static inline int
+rad_contrast_at(int k, int n)
+{
+    return (k / n + 1) * (n + 2) + k % n + 1;
+}
+
+static inline int
+rad_contrast_size(int n)
+{
+    return (n + 2) * (n + 2);
+}
+
+/* Set the shares of n * n cells.  The caller has set their lum and square, and
+ * all else in the array to 0. */
 void rad_contrast_share(struct rad_contrast *cell, int n);
 
 #endif

@@ -108,16 +108,25 @@ sample_many(const struct rad_bright *b)
 }
 
 #define SIDE 9
+#define SIZE ((SIDE + 2) * (SIDE + 2))
+
+static double
+share_of(const struct rad_contrast *cell, int k)
+{
+    return cell[rad_contrast_at(k, SIDE)].share;
+}
 
 static void
 set_cells(struct rad_contrast *cell, int changed, double times)
 {
-    memset(cell, 0, SIDE * SIDE * sizeof *cell);
+    ck_assert_int_eq(rad_contrast_size(SIDE), SIZE);
+    memset(cell, 0, SIZE * sizeof *cell);
     for (int k = 0; k < SIDE * SIDE; k++) {
+        struct rad_contrast *c = &cell[rad_contrast_at(k, SIDE)];
         double x = rad_rand(7, (uint32_t)k);
 
-        cell[k].lum = (x < .1 ? 100 : x) * (k == changed ? times : 1);
-        cell[k].square = k % 11 == 5 ? 50 : 0;
+        c->lum = (x < .1 ? 100 : x) * (k == changed ? times : 1);
+        c->square = k % 11 == 5 ? 50 : 0;
     }
     rad_contrast_share(cell, SIDE);
 }
@@ -125,17 +134,20 @@ set_cells(struct rad_contrast *cell, int changed, double times)
 /* What a cell drew changes others' shares, and not its own. */
 TEST(a_cell_has_no_say_in_its_share)
 {
-    struct rad_contrast a[SIDE * SIDE], b[SIDE * SIDE];
+    struct rad_contrast a[SIZE], b[SIZE];
     double sum = 0;
     int others = 0;
 
     set_cells(a, -1, 1);
     for (int k = 0; k < SIDE * SIDE; k++) {
-        sum += a[k].share;
+        double own = share_of(a, k);
+
+        sum += own;
         set_cells(b, k, 30);
-        ck_assert_double_eq_tol(a[k].share, b[k].share, 1e-9 * a[k].share);
+        ck_assert_double_eq_tol(share_of(b, k), own, 1e-9 * own);
         for (int i = 0; i < SIDE * SIDE; i++)
-            others += fabs(b[i].share - a[i].share) > 1e-3 * a[i].share;
+            others +=
+                fabs(share_of(b, i) - share_of(a, i)) > 1e-3 * share_of(a, i);
     }
     ck_assert_int_gt(others, SIDE * SIDE);
     ck_assert_double_gt(sum, 1);
@@ -146,13 +158,13 @@ TEST(a_cell_has_no_say_in_its_share)
  * out. */
 TEST(even_cells_have_no_share)
 {
-    struct rad_contrast cell[SIDE * SIDE] = { { 0 } };
+    struct rad_contrast cell[SIZE] = { { 0 } };
 
     for (int k = 0; k < SIDE * SIDE; k++)
-        cell[k].lum = 2;
+        cell[rad_contrast_at(k, SIDE)].lum = 2;
     rad_contrast_share(cell, SIDE);
     for (int k = 0; k < SIDE * SIDE; k++)
-        ck_assert(cell[k].share == 0);
+        ck_assert(share_of(cell, k) == 0);
 }
 
 /* The same of the disk with those options, and how many rays that took. */
