@@ -262,63 +262,71 @@ is_still(const struct mesh *m, const double *a, const double *b,
            on_sphere(c, m->curve) && on_sphere(d, m->curve);
 }
 
+/* The light of the mesh and of its cells, which may differ. */
+struct found {
+    double mesh, cells;
+};
+
+/* Add the light of the square of cells from c on: that of its triangles, `two`
+ * together, and the means of their corners. */
+static void
+add_square(const struct mesh *m, const struct rad_hemicell *c, double two,
+           struct found *found)
+{
+    int n = m->h->n;
+    double most = m->most;
+    double four = (rad_least(rad_rgb_lum(c[0].L), most) +
+                   2 * rad_least(rad_rgb_lum(c[1].L), most) +
+                   2 * rad_least(rad_rgb_lum(c[n].L), most) +
+                   rad_least(rad_rgb_lum(c[n + 1].L), most)) /
+                  3;
+
+    found->cells += four;
+    found->mesh += is_still(m, c[0].p, c[1].p, c[n].p, c[n + 1].p) ? four : two;
+}
+
 /* Add each edge between two triangles, times the luminance of its left triangle
  * less that of its right one.  Edges of the mesh's outline add nothing, as if
- * the luminance were the same beyond; but see add_rim(). */
+ * the luminance were the same beyond; but see add_rim().  Sets *found. */
 static void
-sum_edges(const struct mesh *m, struct rad_slope *sum)
+sum_edges(const struct mesh *m, struct rad_slope *sum, struct found *found)
 {
     const struct rad_hemi *h = m->h;
     int n = h->n;
 
+    *found = (struct found){ 0, 0 };
     for (int i = 0; i < n - 1; i++) {
         const struct rad_hemicell *c = &h->cell[i * n];
         struct corner at = corner_at(c->p);
+        double left = 0; /* the upper triangle of the square before */
 
         for (int j = 0; j < n - 1; j++, c++) {
             struct corner right = corner_at(c[1].p), above = corner_at(c[n].p);
-            double low = lower(h, i, j, m->most), d;
+            double low = lower(h, i, j, m->most), up = upper(h, i, j, m->most);
+            double d = low - up;
 
-            d = low - upper(h, i, j, m->most);
+            add_square(m, c, low + up, found);
             if (d != 0 && !is_still(m, right.p, above.p, c->p, c[n + 1].p))
                 add_edge(&right, &above, d, sum);
             d = i > 0 ? low - upper(h, i - 1, j, m->most) : 0;
             if (d != 0 && !is_still(m, at.p, right.p, above.p, c[1 - n].p))
                 add_edge(&at, &right, d, sum);
-            d = j > 0 ? upper(h, i, j - 1, m->most) - low : 0;
+            d = j > 0 ? left - low : 0;
             if (d != 0 && !is_still(m, at.p, above.p, c[n - 1].p, right.p))
                 add_edge(&at, &above, d, sum);
             at = right;
+            left = up;
         }
     }
 }
 
-/* The part of the light that the mesh lacks: the sum over its triangles,
- * against the sum of the means of their corners.  Where cells and triangles
- * differ here and there, by noise, the differences cancel.  Where the mesh has
- * more light than the cells the result is 0. */
+/* The part of the light that the mesh lacks.  Where cells and triangles differ
+ * here and there, by noise, the differences cancel.  Where the mesh has more
+ * light than the cells the result is 0. */
 static double
-overlooked(const struct mesh *m)
+overlooked(const struct found *f)
 {
-    const struct rad_hemi *h = m->h;
-    double cells = 0, mesh = 0, most = m->most;
-    int n = h->n;
-
-    for (int i = 0; i < n - 1; i++)
-        for (int j = 0; j < n - 1; j++) {
-            const struct rad_hemicell *c = &h->cell[i * n + j];
-            double four = (rad_least(rad_rgb_lum(c[0].L), most) +
-                           2 * rad_least(rad_rgb_lum(c[1].L), most) +
-                           2 * rad_least(rad_rgb_lum(c[n].L), most) +
-                           rad_least(rad_rgb_lum(c[n + 1].L), most)) /
-                          3;
-
-            cells += four;
-            mesh += is_still(m, c[0].p, c[1].p, c[n].p, c[n + 1].p)
-                        ? four
-                        : lower(h, i, j, most) + upper(h, i, j, most);
-        }
-    return mesh < cells ? 1 - mesh / cells : 0;
+    return f->mesh < f->cells ? 1 - f->mesh / f->cells : 0;
 }
 
 /* The mean tangent of the angle to the normal, for directions whose projections
@@ -384,11 +392,12 @@ rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
     struct rad_slope sum = { .grad = { 0 } };
     struct mesh m = { .h = h, .curve = find_sphere(h) };
     double E = M_PI * fair_mean(h, &m.most);
+    struct found found;
 
-    sum_edges(&m, &sum);
+    sum_edges(&m, &sum, &found);
     sum_rims(&m, &sum);
     turn_within(h, m.curve, g->turn);
-    g->overlooked = overlooked(&m);
+    g->overlooked = overlooked(&found);
     for (int k = 0; k < 2; k++)
         g->move[k] = sum.grad[k] / E;
     for (int k = 0; k < 3; k++)
