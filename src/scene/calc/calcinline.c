@@ -15,7 +15,7 @@
 #include "scene/calc/calcimpl.h"
 
 #define MOST_NODES 16 /* of a body that is inlined */
-#define MOST_CHEAP 4  /* of an argument that may be evaluated twice */
+#define MOST_CHEAP 5  /* of an argument that may be evaluated twice */
 
 /* The number of nodes of a body; above MOST_NODES if it cannot be inlined. */
 static int
