@@ -265,7 +265,8 @@ host_start(struct cluster *c, struct host *h)
                                     .name = h->name,
                                     .coordinator = "sim",
                                     .address = h->address,
-                                    .threads = 1 };
+                                    .threads =
+                                        (unsigned)c->spec->threads };
 
     h->radd = worker_new(&env);
     if (!h->radd)

@@ -1,7 +1,7 @@
 #!/bin/sh
 # sim_windows.sh - the simulator takes windows for what a former run's took,
-# gives a host as many threads as it is told, and lets messages come while the
-# coordinator is at others
+# gives a host as many threads as it is told, of which the coordinator hears at
+# once, and lets messages come while the coordinator is at others
 #
 # Sixteen windows, the first of which took most of the time: two hosts need
 # about as long as one.  By rows alone its neighbours would share its cost.
@@ -43,6 +43,12 @@ threads=$("$sim" --ways=auto --size=480x320 --seconds=20 --threads=4 --hosts=1 |
     awk '$1 == 1 && NF == 3 { print $2 }')
 echo "four threads of one host: $threads times as fast"
 awk -v n="$threads" 'BEGIN { exit !(n > 3.5 && n <= 4) }' || exit 1
+
+# the first host that is ready gets no more than its share
+even=$("$sim" --ways=scanbar --size=960x640 --seconds=40 --threads=8 --hosts=4 \
+    --details | awk '$1 == "scanbar" && $5 == "eff" { print $6 }')
+echo "four hosts of eight threads: $even %"
+awk -v even="$even" 'BEGIN { exit !(even > 88) }' || exit 1
 
 # rows of a thousand windows: their line and the coordinator work side by side
 many_windows() # OPTION...
