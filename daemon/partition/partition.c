@@ -120,7 +120,7 @@ partition_new(const struct partition_spec *spec, struct rad_error *err)
         return NULL;
     }
     if (p->lines)
-        region_choose(p, &(struct partition_ask){ 0 });
+        region_choose(p);
     return p;
 }
 
@@ -205,7 +205,7 @@ next_lines(struct partition *p, const struct partition_ask *ask, uint32_t *unit)
         return false;
     if (ask->workers > s->most) {
         s->most = ask->workers;
-        region_choose(p, ask);
+        region_choose(p);
     }
     return s->kind == MSG_PART_STATIC ? run_next(p, w, ask, unit)
                                       : region_next(p, w, ask, unit);

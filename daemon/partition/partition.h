@@ -41,7 +41,6 @@ struct partition_spec {
 struct partition_ask {
     uint32_t worker;  /* a small number, always the same for this worker */
     uint32_t workers; /* that take part, this worker too */
-    uint32_t threads; /* of this worker; 0: not known */
     double share;     /* this worker's part of the speed of all, 0 to 1 */
     double least;     /* cost that is worth a unit; 0: not known */
     bool idle;        /* the worker has nothing else to do */

@@ -81,7 +81,7 @@ bool lines_cut(struct partition *p, uint32_t frame, uint32_t first,
 /* --- partition_region.c --- */
 
 /* Write the text that says what auto chose, and why. */
-void region_choose(struct partition *p, const struct partition_ask *ask);
+void region_choose(struct partition *p);
 /* Cut the next unit for a worker, of scanbar or auto.  False: there is none for
  * this worker, or memory is out. */
 bool region_next(struct partition *p, struct asker *w,

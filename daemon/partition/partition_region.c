@@ -31,12 +31,6 @@
  * for the bar above counts for more. */
 #define REGION 24
 
-/* ... and so many to each thread, if all workers are like this one.  Else a
- * region has fewer lines than its worker has threads, and rows of all of them
- * wait for the truth from above: simulated, 4K, 135 s, 16 workers of 16 threads
- * are at 45 % with regions, at 69 % without. */
-#define REGION_A_THREAD 4
-
 /* A worker has about so many regions of a frame, one after the other, each of
  * at least LEAST_REGION lines.  The truth comes down through all workers'
  * regions after each round.  After the last round this costs 5 % of the time
@@ -64,16 +58,8 @@
  * many times the worker's share of what is left. */
 #define MOST_SHARES 4
 
-/* Has the frame enough lines for regions? */
-static bool
-fits_regions(const struct frame *f, const struct partition_ask *ask)
-{
-    return f->n >= REGION * ask->workers &&
-           f->n >= REGION_A_THREAD * ask->threads * ask->workers;
-}
-
 void
-region_choose(struct partition *p, const struct partition_ask *ask)
+region_choose(struct partition *p)
 {
     const struct partition_lines *s = p->lines;
 
@@ -82,7 +68,7 @@ region_choose(struct partition *p, const struct partition_ask *ask)
     else if (s->most <= 1)
         snprintf(p->choice, sizeof p->choice,
                  "one worker: whole frames, which its threads render together");
-    else if (fits_regions(&s->frame[s->nframes - 1], ask))
+    else if (s->frame[s->nframes - 1].n >= REGION * s->most)
         snprintf(p->choice, sizeof p->choice,
                  "%u workers: %d regions of the picture for each; what is left "
                  "by halves, at last of a bar",
@@ -115,7 +101,7 @@ static bool
 has_regions(const struct partition *p, const struct frame *f,
             const struct partition_ask *ask)
 {
-    return ask->workers > 1 && fits_regions(f, ask) &&
+    return ask->workers > 1 && f->n >= REGION * ask->workers &&
            lines_left(p) <= f->cost * 1.000001;
 }
 

@@ -127,7 +127,6 @@ next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
 {
     struct partition_ask ask = { .worker = index,
                                  .workers = job_active(job),
-                                 .threads = job->parts[index].threads,
                                  .share = 1,
                                  .least = speed_cost(job, index, WORTH_MS),
                                  .idle = w->in_flight == 0 };

@@ -291,29 +291,6 @@ TEST(auto_has_all_lines_out_early)
     partition_free(p);
 }
 
-/* Lines that are many for each worker, but few for each of its threads, are cut
- * as if there were few. */
-TEST(auto_has_regions_only_if_threads_have_lines)
-{
-    static struct msg_frame tall = { 0, 40, 289, "" }; /* 97 lines */
-    struct partition_spec spec = lines_spec(MSG_PART_AUTO, 1);
-
-    spec.frames = &tall;
-    for (uint32_t threads = 6; threads <= 7; threads++) {
-        struct partition_ask ask = {
-            .workers = 4, .threads = threads, .share = .25, .idle = true
-        };
-        struct partition *p = partition_new(&spec, NULL);
-        uint32_t first, last, unit;
-
-        ck_assert(partition_next(p, &ask, &unit));
-        partition_unit_lines(p, unit, &first, &last);
-        ck_assert_uint_eq(last - first, threads == 6 ? 8 : 24);
-        ck_assert_int_eq(!strstr(partition_choice(p), "regions"), threads == 7);
-        partition_free(p);
-    }
-}
-
 /* Where there are many lines for each worker it has regions, one after the
  * other; where there are few, units follow each other. */
 TEST(auto_gives_regions_where_there_are_many_lines)
