@@ -246,7 +246,7 @@ check_words(struct ctl *c)
     for (int i = 0; i < c->nargs; i++)
         if ((rc = check_arg(c, c->args[i])) < 0)
             return rc;
-    if (c->user && (!c->user[0] || strlen(c->user) > MSG_MAX_NAME))
+    if (c->user && strlen(c->user) > MSG_MAX_NAME)
         return rad_fail(c->err, RAD_EUSAGE, "'%.80s' is no user's name",
                         c->user);
     return c->command->check ? c->command->check(c) : 0;
