@@ -265,8 +265,7 @@ host_start(struct cluster *c, struct host *h)
                                     .name = h->name,
                                     .coordinator = "sim",
                                     .address = h->address,
-                                    .threads =
-                                        (unsigned)c->spec->threads };
+                                    .threads = (unsigned)c->spec->threads };
 
     h->radd = worker_new(&env);
     if (!h->radd)

@@ -39,8 +39,8 @@ struct tiles {
  * rad_passes_plan() makes now. */
 int tiles_read(struct tiles *t, const char *file, struct rad_error *err);
 /* Scale the seconds of tiles and of the picture, so that they take so many in
- * all, as with more rays to each record and pixel; finding where paths end takes
- * as long as before, for there are as many paths. */
+ * all, as with more rays to each record and pixel; finding where paths end
+ * takes as long as before, for there are as many paths. */
 void tiles_scale(struct tiles *t, double seconds);
 void tiles_release(struct tiles *t);
 
