@@ -544,12 +544,6 @@ rad_doubt_of_picture(const struct rad_frame *f)
     };
 }
 
-static int
-oversample_of(const struct rad_frame *f)
-{
-    return f->oversample > 1 ? f->oversample : 1;
-}
-
 static struct rad_frame
 with_key(const struct rad_frame *f, uint64_t which)
 {
@@ -570,11 +564,11 @@ with_key(const struct rad_frame *f, uint64_t which)
 static int
 width_of_areas(const struct rad_doubt_rows *rows)
 {
-    int side = SIDE * oversample_of(rows->frame), n = rows->n;
+    int side = SIDE * rad_frame_oversample(rows->frame), n = rows->n;
 
     if (rows->frame->points)
         return 1;
-    if (oversample_of(rows->frame) > 1 && n < side)
+    if (rad_frame_oversample(rows->frame) > 1 && n < side)
         return (int)(sqrt(2 * side * side - n * n) + .5);
     return (side * side + n / 2) / n;
 }
@@ -599,7 +593,7 @@ begin(struct look *k, const struct rad_frame *f, struct rad_ctx *ctx,
     *k = (struct look){ .exact = *f->job,
                         .job = ctx->job,
                         .ctx = ctx,
-                        .oversample = oversample_of(f),
+                        .oversample = rad_frame_oversample(f),
                         .sum = to->v };
     k->exact.params.specthresh = 0;
     k->exact.params.shadthresh = 0;
@@ -689,9 +683,9 @@ rad_doubt_look(const struct rad_doubt_rows *rows, struct rad_ctx *ctx,
 static int
 rows_at_once(const struct rad_frame *f, int rows, int ystep)
 {
-    int side = SIDE * oversample_of(f), parts = (rows + side / 2) / side;
+    int side = SIDE * rad_frame_oversample(f), parts = (rows + side / 2) / side;
 
-    if (oversample_of(f) == 1)
+    if (rad_frame_oversample(f) == 1)
         return ystep;
     return parts > 1 ? (rows + parts - 1) / parts : rows;
 }

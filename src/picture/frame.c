@@ -116,6 +116,12 @@ rad_frame_release(struct rad_frame *f)
     rad_paint_release(&f->paint);
 }
 
+int
+rad_frame_oversample(const struct rad_frame *f)
+{
+    return f->oversample > 1 ? f->oversample : 1;
+}
+
 /* -pm: move a ray, and its distance to the aft plane, toward the ray that the
  * last frame's view has at the same position, or away from it.  Where that view
  * has no ray there is no blur, as in rpict. */

@@ -49,6 +49,9 @@ int rad_frame_init(struct rad_frame *f, const struct rad_job *job,
                    struct rad_error *err);
 void rad_frame_release(struct rad_frame *f);
 
+/* f->oversample, from 1. */
+int rad_frame_oversample(const struct rad_frame *f);
+
 /* Set *f up from sensor points, which must outlive *f.  A pixel has the
  * radiance and distance that rtrace gives for its point. */
 void rad_frame_of_points(struct rad_frame *f, const struct rad_job *job,

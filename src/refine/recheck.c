@@ -37,9 +37,8 @@ struct check {
     struct rad_ctx *ctx;
     const _Atomic bool *stop;
     uint64_t key;
-    bool small;     /* see rad_refine_is_small() */
-    int oversample; /* of the frame, from 1 */
-    int windows;    /* of the tile */
+    bool small;  /* see rad_refine_is_small() */
+    int windows; /* of the tile */
     struct rad_refine_sums *out;
 };
 
@@ -102,12 +101,11 @@ window_at(const struct check *c, uint64_t n)
 {
     const struct rad_frame *f = &c->frame;
     struct rad_window w;
-    int xstep, ystep, area = RAD_DOUBT_SIDE * c->oversample, at[2];
+    int oversample = rad_frame_oversample(f), xstep, ystep, at[2];
+    int area = oversample > 1 ? RAD_DOUBT_SIDE * oversample : 0;
 
-    if (c->oversample == 1)
-        area = 0;
     rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
-    w.width = most(STEPS * (c->oversample + 1) / 2 * xstep, area) + 1;
+    w.width = most(STEPS * (oversample + 1) / 2 * xstep, area) + 1;
     w.height = most(LINES * ystep, area) + 1;
     w.width = least(w.width, f->width);
     w.height = least(w.height, f->height);
@@ -202,8 +200,7 @@ rad_refine_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
     memset(out, 0, sizeof *out);
     c.frame = f[tile % nframes];
     c.small = are_small(f, nframes);
-    c.oversample = c.frame.oversample > 1 ? c.frame.oversample : 1;
-    c.windows = c.oversample > 1 ? 1 : WINDOWS;
+    c.windows = rad_frame_oversample(&c.frame) > 1 ? 1 : WINDOWS;
     c.key = rad_key_branch(c.frame.key ^ BRANCH, tile);
     c.frame.key ^= BRANCH;
     c.frame.stamp = (c.frame.stamp ^ BRANCH) | 1;

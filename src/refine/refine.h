@@ -8,9 +8,10 @@
  * is the check pass: its tiles make no records, but sums that say how far off a
  * picture over that cache would be (recheck.h).
  * Errors are relative, root mean squares over areas of 5 by 5 written pixels,
- * as a picture's own estimate is (picture/doubt.h). All results are functions
- * of the arguments alone, the same to the bit on all machines; no scene is
- * needed. Thread: any. */
+ * as a picture's own estimate is (picture/doubt.h).
+ * All results are functions of the arguments alone, the same to the bit on all
+ * machines; no scene is needed.
+ * Thread: any. */
 #ifndef RAD_REFINE_REFINE_H
 #define RAD_REFINE_REFINE_H
 

@@ -301,11 +301,11 @@ divisions_at(const struct drawing *d, int x, int y)
     return divisions_to(&d->legend, place_at(d, x, y));
 }
 
-/* Is there a contour between the pixel's neighbours? */
+/* Is there a contour between the neighbours of a pixel so many divisions up? */
 static bool
-on_line(const struct drawing *d, int x, int y)
+on_line(const struct drawing *d, int x, int y, double up)
 {
-    return near_contours(&d->legend, divisions_at(d, x, y)) &&
+    return near_contours(&d->legend, up) &&
            (floor(divisions_at(d, x - 1, y)) !=
                 floor(divisions_at(d, x + 1, y)) ||
             floor(divisions_at(d, x, y - 1)) !=
@@ -329,12 +329,15 @@ pixel_colour(const struct drawing *d, int x, int y, uint8_t rgb[3])
 {
     enum rad_contour contour = d->scale.contour;
     double gamma = d->scale.decades > 0 ? 1 : 1 / 2.2;
-    double v = place_at(d, x, y), up = divisions_to(&d->legend, v);
+    double v = place_at(d, x, y), up;
 
-    if (contour == RAD_CONTOUR_NONE || contour == RAD_CONTOUR_STEPS)
+    if (contour == RAD_CONTOUR_NONE || contour == RAD_CONTOUR_STEPS) {
         scale_colour(d, v, rgb);
-    else if (contour == RAD_CONTOUR_LINES ? on_line(d, x, y)
-                                          : in_band(&d->legend, up))
+        return;
+    }
+    up = divisions_to(&d->legend, v);
+    if (contour == RAD_CONTOUR_LINES ? on_line(d, x, y, up)
+                                     : in_band(&d->legend, up))
         contour_colour(&d->legend, up, rgb);
     else /* half as bright as white, so that contours stand out */
         memset(rgb, (int)(128 * pow(v < 1 ? v : 1, gamma)), 3);
