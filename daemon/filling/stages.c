@@ -39,17 +39,24 @@ unpack_rung(uint8_t packed)
 }
 
 static struct rad_refine_rungs
-rungs_of(const struct job_goal *g)
+unpack_rungs(const uint8_t packed[2])
 {
-    return (struct rad_refine_rungs){ unpack_rung(g->rungs[0]),
-                                      unpack_rung(g->rungs[1]) };
+    return (struct rad_refine_rungs){ unpack_rung(packed[0]),
+                                      unpack_rung(packed[1]) };
+}
+
+static void
+pack_rungs(struct rad_refine_rungs rungs, uint8_t packed[2])
+{
+    packed[0] = pack_rung(rungs.ambient);
+    packed[1] = pack_rung(rungs.pixel);
 }
 
 int
 stages_params(const struct job *job, struct rad_params *out,
               struct rad_error *err)
 {
-    struct rad_refine_rungs rungs = rungs_of(&job->goal);
+    struct rad_refine_rungs rungs = unpack_rungs(job->goal.rungs);
     struct rad_params params;
     int rc = jobtext_params(job->spec.params, &params, err);
 
@@ -161,9 +168,10 @@ make_ask(const struct coord *c, const struct job *job,
     struct rad_refine_ask ask = {
         .error = job->spec.error_ppm / 1e6,
         .stage = g->number,
-        .rungs = rungs_of(g),
+        .rungs = unpack_rungs(g->rungs),
         .sums = found->sums,
-        .past = { unpack_rung(g->past_rung), g->past_square },
+        .past = { unpack_rungs(g->past_rungs), g->past[0], g->past[1],
+                  g->past[2], g->past[3] },
         .rays = found->rays + reused_rays(job),
         .check = found->check,
         .samples = own_samples(job),
@@ -193,7 +201,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
 {
     struct job_goal *g = &job->goal;
     struct rad_refine_ask ask = make_ask(c, job, found);
-    struct rad_refine_past past = rad_refine_pass_on(&ask);
+    struct rad_refine_known known = rad_refine_pass_on(&ask);
     struct rad_refine_rungs next;
     bool on = rad_refine_next(&ask, &next, &g->error);
 
@@ -208,14 +216,16 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
     g->state = on                          ? GOAL_AHEAD
                : rad_refine_is_short(&ask) ? GOAL_SHORT
                                            : GOAL_REACHED;
-    g->rungs[0] = pack_rung(next.ambient);
-    g->rungs[1] = pack_rung(next.pixel);
+    pack_rungs(next, g->rungs);
     if (on) {
         g->number++;
         g->base += n;
         g->begun_s = goal_spent_s(job, c->now_ms);
-        g->past_rung = pack_rung(past.rung);
-        g->past_square = past.square;
+        pack_rungs(known.rungs, g->past_rungs);
+        g->past[0] = known.ambient;
+        g->past[1] = known.pixel;
+        g->past[2] = known.noise;
+        g->past[3] = known.places;
     }
     if (!set_options(job))
         c->actions.failed = true;
@@ -229,7 +239,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
 /* --- decisions on the disk --- */
 
 /* Version of the bytes of stages_pack() and of the meaning of its rungs. */
-enum { LAYOUT = 5 };
+enum { LAYOUT = 6 };
 
 void
 stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
@@ -246,8 +256,10 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
     wire_put_u8(&w, g->rungs[1]);
     wire_put_f64(&w, g->error);
     wire_put_f64(&w, g->mean);
-    wire_put_u8(&w, g->past_rung);
-    wire_put_f64(&w, g->past_square);
+    wire_put_u8(&w, g->past_rungs[0]);
+    wire_put_u8(&w, g->past_rungs[1]);
+    for (int i = 0; i < GOAL_PAST; i++)
+        wire_put_f64(&w, g->past[i]);
     wire_put_u64(&w, (uint64_t)(1000 * goal_spent_s(job, c->now_ms)));
     if (w.bad)
         c->actions.failed = true;
@@ -260,7 +272,7 @@ static bool
 unpack(struct job_goal *g, const struct saved_pass *p)
 {
     struct wire_in in;
-    bool ended, is_short;
+    bool ended, is_short, sound = true;
 
     wire_in_init(&in, p->bytes, p->len);
     if (wire_get_u8(&in) != LAYOUT)
@@ -273,11 +285,15 @@ unpack(struct job_goal *g, const struct saved_pass *p)
     g->rungs[1] = wire_get_u8(&in);
     g->error = wire_get_f64(&in);
     g->mean = wire_get_f64(&in);
-    g->past_rung = wire_get_u8(&in);
-    g->past_square = wire_get_f64(&in);
+    g->past_rungs[0] = wire_get_u8(&in);
+    g->past_rungs[1] = wire_get_u8(&in);
+    for (int i = 0; i < GOAL_PAST; i++) {
+        g->past[i] = wire_get_f64(&in);
+        sound = sound && g->past[i] >= 0 && isfinite(g->past[i]);
+    }
     g->spent_ms = wire_get_u64(&in);
-    return !in.bad && wire_left(&in) == 0 && isfinite(g->error) &&
-           isfinite(g->mean) && isfinite(g->past_square);
+    return !in.bad && wire_left(&in) == 0 && sound && isfinite(g->error) &&
+           isfinite(g->mean);
 }
 
 /* Repeat the kept decision at the end of a stage of n passes.  1: done; 0: no

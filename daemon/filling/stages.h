@@ -49,7 +49,7 @@ bool stages_end(struct coord *c, struct job *job, uint32_t n,
                 const struct stage_found *found);
 
 /* Write the last decision in the form in which it is kept on the disk. */
-#define STAGES_BYTES 39
+#define STAGES_BYTES 64
 void stages_pack(struct coord *c, const struct job *job,
                  uint8_t out[STAGES_BYTES]);
 

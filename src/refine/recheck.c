@@ -37,6 +37,7 @@ struct check {
     struct rad_ctx *ctx;
     const _Atomic bool *stop;
     uint64_t key;
+    uint64_t first; /* added to the numbers of windows and places */
     bool small;  /* see rad_refine_is_small() */
     int windows; /* of the tile */
     struct rad_refine_sums *out;
@@ -167,7 +168,7 @@ check_window(struct check *c, uint64_t n)
 static bool
 check_all(struct check *c, uint32_t tile, uint32_t nframes)
 {
-    uint64_t n = tile / nframes; /* of the frame's tiles */
+    uint64_t n = c->first + tile / nframes; /* of the frame's tiles */
     bool ok = true;
 
     for (int i = 0; ok && i < c->windows && !is_stopped(c); i++)
@@ -175,6 +176,18 @@ check_all(struct check *c, uint32_t tile, uint32_t nframes)
     for (uint64_t i = 0; ok && i < PLACES && !is_stopped(c); i++)
         check_place(c, (n * PLACES + i) * RAD_DOUBT_TRIED);
     return ok && !is_stopped(c);
+}
+
+/* Each stage looks at windows and places of its own, so that stages say more
+ * together than one does: they differ in these options. */
+static uint64_t
+first_of(const struct rad_params *p)
+{
+    double by[2] = { p->ambacc, p->maxdiff };
+    uint64_t bits[2];
+
+    memcpy(bits, by, sizeof bits);
+    return rad_mix64(rad_mix64(bits[0]) + bits[1]) >> 44;
 }
 
 static bool
@@ -199,6 +212,7 @@ rad_refine_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
 
     memset(out, 0, sizeof *out);
     c.frame = f[tile % nframes];
+    c.first = first_of(&c.frame.job->params);
     c.small = are_small(f, nframes);
     c.windows = rad_frame_oversample(&c.frame) > 1 ? 1 : WINDOWS;
     c.key = rad_key_branch(c.frame.key ^ BRANCH, tile);

@@ -1,13 +1,12 @@
 /* refine.c - see refine.h
  *
- * The next stage is decided by the last stage's sums: with a rung errors fall,
- * and rays grow, by foreseen factors.  Of all rungs that are foreseen to reach
- * the wanted error the cheapest are taken: rungs of a further stage, or more
- * rays of a pixel over the cache that is there.  Where time allows none of
- * these, the rungs with the least error that time allows are taken, in quarters
- * of a rung.
- * Only basic operations and square roots are used: their results are the same
- * on all machines. */
+ * The next stage is decided by what the checks of all stages say together: with
+ * a rung errors fall, and rays grow, by foreseen factors.  Of all rungs that
+ * are foreseen to reach the wanted error the cheapest are taken: rungs of a
+ * further stage, or more rays of a pixel over the cache that is there.  Where
+ * time allows none of these, the rungs with the least error that time allows
+ * are taken, in quarters of a rung. Only basic operations and square roots are
+ * used: their results are the same on all machines. */
 #include "config.h"
 
 #include "refine/refine.h"
@@ -356,8 +355,13 @@ rad_refine_add(struct rad_refine_sums *to, const struct rad_refine_sums *tile)
 
 /* Eighths of an octave by which the square of the cache's error falls with a
  * rung, in five scenes on average.  In single scenes it falls by an eighth more
- * or less, which two stages tell that are at least APART quarters apart. */
+ * or less: after DOUBTFUL quarters of a rung that is as uncertain as a check is
+ * by chance. */
 static const struct course ambient_fall = { 6, 3 };
+#define DOUBTFUL (6. * RAD_REFINE_RUNG)
+
+/* A stage that comes before another is more than so many quarters from this
+ * one (shorten_step). */
 enum { APART = 3 * RAD_REFINE_RUNG };
 
 /* The first rung of pixels leaves NOISE_LEFT of the square of the noise and
@@ -373,8 +377,6 @@ struct outlook {
     const struct rad_refine_ask *ask;
     double ambient, pixel, noise; /* squares of errors; `noise` is a part of
                                    * `pixel` */
-    int steeper;       /* eighths of an octave by which .ambient falls more than
-                        * usual with a rung, -1 to 1 */
     double walk, made; /* rays of passes: those of WALKED, and the others */
     double check, picture; /* rays of a check, and of all pictures */
     int most_rays;         /* most rays of a pixel, over its rays at rung 0 */
@@ -394,19 +396,48 @@ parts_between(struct course c, int from, int to)
     return parts_at(c, to) - parts_at(c, from);
 }
 
-/* By how many eighths of an octave more than usual the square of the cache's
- * error has fallen with a rung since the stage before: -1, 0 or 1. */
-static int
-observed_steeper(const struct rad_refine_ask *ask, double ambient)
+/* The part of a square that is left with that rung of a stage, if the first
+ * rung leaves by_first. */
+static double
+left_by_first(int pixel, double by_first)
 {
-    int apart = ask->rungs.ambient - ask->past.rung;
-    int usual = parts_between(ambient_fall, ask->past.rung, ask->rungs.ambient);
-    double fell = ask->past.square / ambient;
+    return pixel > 0 ? by_first : 1;
+}
 
-    if (apart < APART || !(fell > 0))
-        return 0;
-    fell *= fell;
-    return fell < rise(2 * usual - apart) ? -1 : fell > rise(2 * usual + apart);
+static double
+mix(double a, double b, double part_of_b)
+{
+    return a + part_of_b * (b - a);
+}
+
+/* A check looks at so few areas and places that what it says is often twice too
+ * much or too little, so those of former stages count, too, each by its places.
+ * Of pixels they say the same whatever the cache is.  Of the cache each says
+ * what is foreseen from it, and counts less for that the farther it is. */
+static struct rad_refine_known
+pool(const struct rad_refine_ask *ask)
+{
+    const struct rad_refine_known *past = &ask->past;
+    const struct rad_doubt *doubt = &ask->sums.doubt;
+    struct rad_error_squares now = rad_doubt_squares(doubt);
+    int from = past->rungs.pixel, to = ask->rungs.pixel;
+    double away = (ask->rungs.ambient - past->rungs.ambient) / DOUBTFUL;
+    int fallen =
+        parts_between(ambient_fall, past->rungs.ambient, ask->rungs.ambient);
+    double places = fmax(rad_doubt_sound(doubt->v[RAD_DOUBT_PLACES]), 1);
+    double part = places / (places + past->places);
+    struct rad_refine_known k = { ask->rungs, 0, 0, 0, places + past->places };
+
+    k.ambient = mix(past->ambient * rise(-fallen), now.ambient,
+                    places / (places + past->places / (1 + away * away)));
+    k.noise = mix(past->noise * left_by_first(to, NOISE_LEFT) /
+                      left_by_first(from, NOISE_LEFT),
+                  now.noise, part);
+    k.pixel = k.noise +
+              mix((past->pixel - past->noise) * left_by_first(to, PIXEL_LEFT) /
+                      left_by_first(from, PIXEL_LEFT),
+                  now.sampling - now.noise, part);
+    return k;
 }
 
 /* The rays of a pixel with that rung over its rays at rung 0: at most so many
@@ -422,7 +453,7 @@ rays_given(const struct outlook *o, int pixel)
 static double
 left_at(const struct outlook *o, int pixel, double by_first)
 {
-    return (pixel > 0 ? by_first : 1) / rays_given(o, pixel);
+    return left_by_first(pixel, by_first) / rays_given(o, pixel);
 }
 
 /* The rays of a picture with that rung, over its rays at rung 0. */
@@ -435,12 +466,11 @@ picture_growth(const struct outlook *o, int pixel)
 static struct outlook
 look_out(const struct rad_refine_ask *ask)
 {
-    struct rad_error_squares found = rad_doubt_squares(&ask->sums.doubt);
+    struct rad_refine_known known = pool(ask);
     struct outlook o = { .ask = ask,
-                         .ambient = found.ambient,
-                         .pixel = found.sampling,
-                         .noise = found.noise,
-                         .steeper = observed_steeper(ask, found.ambient),
+                         .ambient = known.ambient,
+                         .pixel = known.pixel,
+                         .noise = known.noise,
                          .check = (double)ask->check,
                          .most_rays =
                              RAD_MOST_SAMPLES / (int)fmax(ask->samples, 1) };
@@ -471,10 +501,9 @@ static double
 foresee_square(const struct outlook *o, int ambient, int pixel)
 {
     int now = o->ask->rungs.ambient;
-    int fallen = parts_between(ambient_fall, now, ambient) +
-                 o->steeper * (ambient - now);
 
-    return o->ambient * rise(-fallen) + foresee_pixels(o, pixel);
+    return o->ambient * rise(-parts_between(ambient_fall, now, ambient)) +
+           foresee_pixels(o, pixel);
 }
 
 /* Rays of a stage's passes with that rung: each record takes the rays of -ad,
@@ -845,12 +874,10 @@ rad_refine_by_clock(const struct rad_refine_ask *ask)
            other.ambient != got.ambient || other.pixel != got.pixel;
 }
 
-struct rad_refine_past
+struct rad_refine_known
 rad_refine_pass_on(const struct rad_refine_ask *ask)
 {
-    return (struct rad_refine_past){
-        ask->rungs.ambient, rad_doubt_squares(&ask->sums.doubt).ambient
-    };
+    return pool(ask);
 }
 
 double

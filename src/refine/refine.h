@@ -74,11 +74,13 @@ bool rad_refine_same_cache(struct rad_refine_rungs a,
  * not, and *job is unchanged. */
 bool rad_refine_join(struct rad_params *job, const struct rad_params *former);
 
-/* The cache of the stage before: its rung, in quarters, and the square of its
- * error. */
-struct rad_refine_past {
-    uint8_t rung;
-    double square;
+/* What the checks of all stages so far say together, at the rungs of the last
+ * one: squares of errors, noise a part of pixel, and the number of places that
+ * they looked at.  Zeros: there is no stage. */
+struct rad_refine_known {
+    struct rad_refine_rungs rungs;
+    double ambient, pixel, noise;
+    double places;
 };
 
 struct rad_refine_ask {
@@ -86,7 +88,7 @@ struct rad_refine_ask {
     uint32_t stage;                /* number of the stage just made, from 0 */
     struct rad_refine_rungs rungs; /* of that stage */
     struct rad_refine_sums sums;   /* of its check pass */
-    struct rad_refine_past past;   /* zeros: there is no stage before */
+    struct rad_refine_known past;  /* by the stages before */
     uint64_t rays;                 /* of its passes, but the check pass */
     uint64_t check;                /* rays of its check pass */
     uint64_t pixels;               /* of all pictures */
@@ -114,7 +116,7 @@ bool rad_refine_is_short(const struct rad_refine_ask *ask);
 bool rad_refine_by_clock(const struct rad_refine_ask *ask);
 
 /* Make rad_refine_ask.past for the question after the next stage. */
-struct rad_refine_past rad_refine_pass_on(const struct rad_refine_ask *ask);
+struct rad_refine_known rad_refine_pass_on(const struct rad_refine_ask *ask);
 
 /* By how much the mean of all pixels would be off after the stage. */
 double rad_refine_mean(const struct rad_refine_sums *sums);

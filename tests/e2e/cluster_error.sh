@@ -130,10 +130,10 @@ submit three --error=5 $other --reuse="$former"
 cmp one.hdr three.hdr || fail "--reuse: another picture with three workers"
 # further stages begin empty, on any cluster
 # shellcheck disable=SC2086
-submit finer --error=.6 $other --reuse="$former"
+submit finer --error=.25 $other --reuse="$former"
 grep -q '; [2-4] stages' finer.err || fail "not several stages: $(cat finer.err)"
 # shellcheck disable=SC2086
-submit again --error=.6 $other --reuse="$former"
+submit again --error=.25 $other --reuse="$former"
 cmp finer.hdr again.hdr || fail "--reuse: another picture by further stages"
 cluster_stop
 

@@ -104,7 +104,7 @@ sums(const struct sim_job *job, uint32_t pass, uint32_t tile,
 struct stage {
     uint32_t number, base, n;
     struct rad_refine_rungs rungs;
-    struct rad_refine_past past;
+    struct rad_refine_known past;
     struct rad_params params, pictures; /* pictures: of the last stage */
     struct rad_pass plan[RAD_MOST_PASSES];
 };
@@ -194,8 +194,11 @@ next_stage(const struct sim_job *job, struct stage *st)
     ask.error = job->spec.error_ppm / 1e6;
     ask.stage = st->number;
     ask.rungs = st->rungs;
-    ask.past.rung = st->past.rung;
-    ask.past.square = st->past.square;
+    ask.past.rungs = st->past.rungs;
+    ask.past.ambient = st->past.ambient;
+    ask.past.pixel = st->past.pixel;
+    ask.past.noise = st->past.noise;
+    ask.past.places = st->past.places;
     ask.left_s = INFINITY;
     ask.samples = first.samples;
     for (uint32_t i = 0; i < st->plan[st->n - 1].tiles; i++) {
@@ -228,7 +231,7 @@ stage_of(const struct sim_job *job, uint32_t pass, struct stage *st)
 {
     st->number = st->base = 0; /* not a whole initializer: the plan is large */
     st->rungs = (struct rad_refine_rungs){ 0 };
-    st->past = (struct rad_refine_past){ 0 };
+    st->past = (struct rad_refine_known){ 0 };
     plan_stage(job, st);
     while (pass >= st->base + st->n && next_stage(job, st))
         ;

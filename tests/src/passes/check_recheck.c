@@ -186,6 +186,28 @@ TEST(a_finer_cache_is_found_to_be_better)
     ck_assert_double_lt(fine.ambient, .6 * coarse.ambient);
 }
 
+/* So checks of stages with all but the same cache are by chance apart. */
+TEST(stages_look_at_windows_of_their_own)
+{
+    struct room *one = &rooms[0], *other = &rooms[1];
+    int same = 0;
+
+    open_room(one, COARSE "-ds 0 -dj 1");
+    open_room(other, COARSE "-ds 0 -dj 1 -aa .49999");
+    make_tiles(one, THREADS, false, false);
+    make_tiles(other, THREADS, false, false);
+    ck_assert_uint_eq(one->ntiles, other->ntiles);
+    for (uint32_t i = 0; i < one->ntiles; i++) {
+        const double *a = one->of[i].doubt.v, *b = other->of[i].doubt.v;
+
+        same += fabs(a[RAD_DOUBT_AREAS] - b[RAD_DOUBT_AREAS]) <
+                .05 * a[RAD_DOUBT_AREAS];
+    }
+    ck_assert_int_lt(same, (int)one->ntiles / 2);
+    close_room(one);
+    close_room(other);
+}
+
 /* Noise of pixels averages out in those of the picture that is written. */
 TEST(a_picture_that_is_filtered_down_is_found_to_have_less_noise)
 {
@@ -203,17 +225,23 @@ TEST(a_picture_that_is_filtered_down_is_found_to_have_less_noise)
     ck_assert_double_gt(e[1].ambient, .5 * e[0].ambient);
 }
 
-/* A check takes no more rays for it. */
+/* A check takes no more rays for it; windows of four stages, for those of one
+ * are few. */
 TEST(a_picture_that_is_filtered_down_is_checked_as_cheaply)
 {
+    static const char *const stage[] = {
+        COARSE "-x 192 -y 192 -ps 6 -ds .2 -dj .9 -aa .5",
+        COARSE "-x 192 -y 192 -ps 6 -ds .2 -dj .9 -aa .501",
+        COARSE "-x 192 -y 192 -ps 6 -ds .2 -dj .9 -aa .502",
+        COARSE "-x 192 -y 192 -ps 6 -ds .2 -dj .9 -aa .503"
+    };
     struct room *m = &rooms[0];
-    uint64_t rays[2];
+    uint64_t rays[2] = { 0, 0 };
 
-    for (int i = 0; i < 2; i++) {
-        open_filtered_room(m, COARSE "-x 192 -y 192 -ps 6 -ds .2 -dj .9",
-                           1 + i);
+    for (int i = 0; i < 2 * N_ELEM(stage); i++) {
+        open_filtered_room(m, stage[i / 2], 1 + i % 2);
         make_tiles(m, THREADS, false, false);
-        rays[i] = m->rays;
+        rays[i % 2] += m->rays;
         close_room(m);
     }
     ck_assert_uint_lt(rays[1], rays[0] + rays[0] / 20);

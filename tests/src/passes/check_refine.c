@@ -417,44 +417,85 @@ TEST(a_far_goal_has_a_stage_before_it)
     ck_assert_int_eq(first.ambient, whole.ambient);
 }
 
-/* The next stage goes the farther the less the last one brought. */
-TEST(what_fell_slowly_is_foreseen_so)
+/* After a stage three rungs on that has these errors. */
+static struct rad_refine_ask
+ask_after(const struct rad_refine_ask *first, double ambient, double pixel)
 {
-    static const double fell[] = { 12, 8, 4, .5 }; /* in four rungs: 8 on
-                                                    * average */
-    int last = 0;
+    struct rad_refine_ask ask = ask_of(first->error, ambient, pixel, 0);
 
-    for (int i = 0; i < N_ELEM(fell); i++) {
-        struct rad_refine_ask ask = ask_of(.1, .2, .01, 0);
-        struct rad_refine_rungs next;
-        struct rad_refine_past now = rad_refine_pass_on(&ask);
-        double error;
-
-        ask.stage = RAD_REFINE_STAGES - 2;
-        ask.rungs.ambient = RUNGS(4);
-        ask.past.square = fell[i] * now.square;
-        ck_assert(rad_refine_next(&ask, &next, &error));
-        ck_assert_int_ge(next.ambient, last + RUNGS(i == 1 || i == 2));
-        last = next.ambient;
-    }
+    ask.stage = first->stage + 1;
+    ask.rungs.ambient = first->rungs.ambient + RUNGS(3);
+    ask.rungs.pixel = first->rungs.pixel;
+    ask.past = rad_refine_pass_on(first);
+    return ask;
 }
 
-/* Stages less than three rungs apart tell nothing of how it falls. */
-TEST(stages_close_to_each_other_foresee_nothing)
+/* A check by chance: a stage that seems no better than the one before is
+ * followed by a stage that takes the rays of one or two rungs more than without
+ * this chance, not of a dozen. */
+TEST(one_check_does_not_decide_alone)
 {
-    for (int rung = RUNGS(3) - 1; rung <= RUNGS(3); rung++) {
-        struct rad_refine_ask ask = ask_of(.1, .2, .01, 0);
-        struct rad_refine_rungs slow, fast;
-        double error;
+    struct rad_refine_ask first = ask_of(.05, .12, .01, 0);
+    struct rad_refine_ask as_foreseen = ask_after(&first, .055, .01);
+    struct rad_refine_ask worse = ask_after(&first, .12, .01);
+    struct rad_refine_rungs next, far;
+    double error, seems;
 
-        ask.stage = RAD_REFINE_STAGES - 2;
-        ask.rungs.ambient = (uint8_t)rung;
-        ask.past.square = .04;
-        ck_assert(rad_refine_next(&ask, &slow, &error));
-        ask.past.square = 4;
-        ck_assert(rad_refine_next(&ask, &fast, &error));
-        ck_assert_int_eq(slow.ambient > fast.ambient, rung == RUNGS(3));
+    ck_assert(rad_refine_next(&as_foreseen, &next, &error));
+    ck_assert(rad_refine_next(&worse, &far, &seems));
+    ck_assert_int_gt(far.ambient, next.ambient);
+    ck_assert_double_gt(seems, 1.3 * error);
+    ck_assert_double_lt(seems, .1);
+    worse.past.places = 0;
+    ck_assert(rad_refine_next(&worse, &next, &error));
+    ck_assert_double_gt(error, .12);
+    ck_assert_int_lt(far.ambient, next.ambient);
+}
+
+/* ... of pixels' error the stages say the same, whatever their caches are. */
+TEST(stages_tell_of_pixels_together)
+{
+    static const double found[] = { .02, .04, .06 };
+    struct rad_refine_ask ask = ask_of(.01, .001, found[0], 0);
+    double sum = found[0] * found[0], error;
+    struct rad_refine_known known;
+    struct rad_refine_rungs next;
+
+    ask.rungs.pixel = RUNGS(1);
+    for (int i = 1; i < N_ELEM(found); i++) {
+        ask = ask_after(&ask, .001, found[i]);
+        sum += found[i] * found[i];
+        known = rad_refine_pass_on(&ask);
+        ck_assert_double_eq_tol(known.pixel, sum / (i + 1), 1e-9);
     }
+    ask.stage = RAD_REFINE_STAGES - 1;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_int_gt(next.pixel, RUNGS(1));
+}
+
+/* With the first rung of pixels there is less, and a check counts by the number
+ * of its places; of the cache the less the more rungs lie between. */
+TEST(former_checks_count_by_what_they_tell)
+{
+    struct rad_refine_ask first = ask_of(.01, .1, .02, .01), ask;
+    struct rad_refine_known known;
+
+    ask = ask_after(&first, .1, .02);
+    ask.rungs.pixel = RUNGS(1);
+    known = rad_refine_pass_on(&ask);
+    ck_assert_double_lt(known.pixel, .0004);
+    ck_assert_double_gt(known.pixel, .0003);
+    for (int i = RAD_DOUBT_PLACES; i < RAD_DOUBT_SUMS; i++)
+        ask.sums.doubt.v[i] *= 1000;
+    known = rad_refine_pass_on(&ask);
+    ck_assert_double_eq_tol(known.pixel, .0004, 1e-6);
+    ask = ask_after(&first, .1, .02);
+    known = rad_refine_pass_on(&ask);
+    first.rungs.ambient = RUNGS(20);
+    ask = ask_after(&first, .1, .02);
+    ask.rungs.ambient = RUNGS(60);
+    ck_assert_double_lt(known.ambient, .7 * .01);
+    ck_assert_double_gt(rad_refine_pass_on(&ask).ambient, .97 * .01);
 }
 
 /* A finer cache takes more rays, but for those that find where paths go: the
