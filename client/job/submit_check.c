@@ -49,7 +49,8 @@ is_dash(const char *name)
 }
 
 /* "-" means standard output, for the picture alone; a scene may come from "-",
- * too. */
+ * too.  With --detach the coordinator keeps a picture with a header in any
+ * case. */
 static int
 check_outputs(struct submit_options *o, struct rad_error *err)
 {
@@ -59,6 +60,10 @@ check_outputs(struct submit_options *o, struct rad_error *err)
                         "--preview");
     if (is_dash(o->output))
         o->output = NULL;
+    if (o->stamp && !o->detach &&
+        picfile_is_png(o->output, (enum picfile_format)o->format))
+        return rad_fail(err, RAD_EUSAGE,
+                        "--stamp: a .png has no header that could hold it");
     return 0;
 }
 

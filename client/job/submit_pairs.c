@@ -31,6 +31,8 @@ enum given {
     OVERSAMPLE,
     CLAMP,
     BY_LINES,
+    STATIC,
+    NO_BALANCE,
     WINDOWS,
     ORDER,
     PASSES,
@@ -118,6 +120,7 @@ static const struct {
     { NO_CLOBBER, OUTPUT_FILE, "-o FILE",
       "it leaves out frames whose pictures exist" },
     { ADDRESS, LAUNCH, "--launch", "it is what launched workers dial" },
+    { NO_BALANCE, STATIC, "--partition=static", "it keeps static parts whole" },
 };
 
 /* How a message names each of them; NULL: it is not given. */
@@ -158,6 +161,8 @@ name_given(const struct submit_options *o, bool spectra,
         [CLAMP] = { o->clamp > 0, "--clamp" },
         [BY_LINES] = { o->partition >= 0 && o->partition != MSG_PART_WINDOW,
                        by_lines[o->partition >= 0 ? o->partition : 0] },
+        [STATIC] = { o->partition == MSG_PART_STATIC, "--partition=static" },
+        [NO_BALANCE] = { o->no_balance, "--no-balance" },
         [WINDOWS] = { o->windows > 0, "--windows" },
         [ORDER] = { o->order != ORDER_NONE, "--order" },
         [PASSES] = { o->ambient_way == AMBIENT_PASSES, "--ambient=passes" },

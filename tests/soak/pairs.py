@@ -395,7 +395,7 @@ SUBMIT = {
     "estimate": ["--estimate=uniform", "--estimate=3a", "--estimate=3b",
                  "--estimate=" + path("costs.json")],
     "stamp": ["--stamp"],
-    "no-balance": ["--no-balance"],
+    "no-balance": ["--partition=static --no-balance"],
     "ambient": ["--ambient=passes", "--ambient=live"],
     "error": ["--error=50"],
     "time": ["--time=1"],
