@@ -12,6 +12,7 @@
 
 #include "scene/file/parse.h"
 
+#include "base/number.h"
 #include "scene/file/lex.h"
 
 #include <limits.h>
@@ -206,6 +207,7 @@ read_modifier(struct reader *r, struct rad_object *o, struct rad_error *err)
 {
     struct rad_error now = { 0 };
     const char *word = r->lex.word;
+    double number;
     int rc = rad_lex_word(&r->lex, "a modifier", err);
 
     if (rc)
@@ -220,7 +222,11 @@ read_modifier(struct reader *r, struct rad_object *o, struct rad_error *err)
     o->modifier = rad_scene_find_modifier(r->parser->scene, word, INT32_MAX);
     if (o->modifier != RAD_VOID)
         return 0;
-    rad_fail(&now, RAD_EDATA, "undefined modifier '%s'", word);
+    rad_fail(&now, RAD_EDATA, "undefined modifier '%s'%s", word,
+             rad_parse_real(word, &number)
+                 ? ": are there more arguments before "
+                   "it than their number says?"
+                 : "");
     return survive(r, r->lex.line, &now, err);
 }
 

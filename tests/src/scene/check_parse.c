@@ -232,6 +232,10 @@ static const struct {
     const char *text, *message;
 } bad[] = {
     { MAT "x sphere s 0 0 4 0 0 0 1", "a.rad:2: undefined modifier 'x'" },
+    { MAT "m polygon p 0 0 9 0 0 0 1 0 0 1 1 0 0 1 0",
+      "a.rad:2: undefined modifier '0': are there more arguments before it "
+      "than "
+      "their number says?" },
     { MAT "\n m spheer s 0 0 4 0 0 0 1", "a.rad:3: unknown type 'spheer'" },
     { MAT "m", "a.rad:2: text ends where a type is expected" },
     { MAT "m sphere", "a.rad:2: text ends where a name is expected" },
