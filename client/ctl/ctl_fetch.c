@@ -312,6 +312,8 @@ fetch_all(struct ctl *c)
         rc = get_picture(c, i, &f);
         if (rc == 0)
             rc = put(c, &f);
+        else if (n > 1)
+            rad_error_where(c->err, "%d of %d pictures are written", i, n);
         free(f.bytes);
     }
     return rc;

@@ -30,6 +30,13 @@ id=$("$radsubmit" --detach --name=detached $view "$room" 2>stderr) ||
     fail "--detach: $(cat stderr)"
 printf '%s\n' "$id" | grep -qE '^[0-9a-f]{32}$' || fail "'$id' is no id"
 expect 75 "" "fetch too early" "$radctl" fetch "$id" -o out.hdr
+{ cat "$scenes/room.vf" && echo "rvu -vh 40" && echo "rvu -vh 30"; } >three.vf
+# shellcheck disable=SC2086
+walk=$("$radsubmit" --detach $view -S 1 --views=three.vf "$room" 2>stderr) ||
+    fail "--detach -S: $(cat stderr)"
+expect 75 "0 of 3 pictures are written: the picture is not complete" \
+    "an animation too early" "$radctl" fetch "$walk" -o out%d.hdr
+"$radctl" cancel "$walk" || fail "cancel the animation"
 "$radctl" jobs >jobs || fail "radctl jobs"
 grep -qE "^$id +waiting +0 % .*detached" jobs ||
     fail "radctl jobs does not name the job: $(cat jobs)"
@@ -119,7 +126,6 @@ kept=$(sed -n 's/.*its distances are in //p' stderr)
 cmp again.zbf "$kept" || fail "its distances are others: $(cat stderr)"
 
 # so is an animation, whose frames have the numbers that -S gives
-{ cat "$scenes/room.vf" && echo "rvu -vh 40" && echo "rvu -vh 30"; } >three.vf
 # shellcheck disable=SC2086
 id=$("$radsubmit" --detach $view -S 7 --views=three.vf "$room" 2>stderr) ||
     fail "--detach -S: $(cat stderr)"
