@@ -293,7 +293,8 @@ take_words(struct ctl *c, int argc, char *argv[])
             rc = find_command(c, argv[i]);
         else if (c->command->arg && (!c->arg || strstr(c->command->arg, "...")))
             take_arg(c, argv, i);
-        else if (c->command->run == ctl_run_key && !c->name)
+        else if ((c->command->run == ctl_run_key && !c->name) ||
+                 takes_number(c))
             c->name = argv[i];
         else
             rc = rad_fail(c->err, RAD_EUSAGE, "unexpected word '%s'", argv[i]);

@@ -88,6 +88,8 @@ done
 submit late -x 60 -y 50 -ds .2 --priority=-100
 expect 64 'from -100 to 100' 'a priority out of range' \
     "$radctl" --coordinator="$sock" priority "$id" 101
+expect 64 "'high' is no whole number" 'a priority in words' \
+    "$radctl" --coordinator="$sock" priority "$id" high
 expect 64 'missing N' 'no priority' "$radctl" --coordinator="$sock" \
     priority "$id"
 ctl priority "$id" 100 || fail "priority"
