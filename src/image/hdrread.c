@@ -72,7 +72,7 @@ struct reader {
     double pixaspect;
     double chroma[8];   /* PRIMARIES */
     bool primaries;     /* there is a PRIMARIES line */
-    bool irradiance;    /* -i in a command line in the header */
+    bool seen, sensed;  /* -i, -I of rtrace in a command line in the header */
     bool xyz;           /* tristimulus values instead of RGB */
     bool xmajor;        /* scan lines are columns */
     bool yup, xleft;    /* rows begin at the bottom, columns at the right */
@@ -171,26 +171,37 @@ get_primaries(struct reader *in, char *text)
     in->primaries = true;
 }
 
-/* If a line is the command of a program that renders, note its -i. */
+/* Set *on as a switch of that name does, each time that the line has it. */
+static void
+get_switch(const char *line, const char *name, bool *on)
+{
+    size_t n = strlen(name);
+
+    for (const char *at = line; (at = strstr(at, name)); at += n) {
+        char sign = at[n];
+
+        if (sign == ' ' || sign == '\0')
+            *on = !*on;
+        else if (strchr("+1yYtT", sign))
+            *on = true;
+        else if (strchr("-0nNfF", sign))
+            *on = false;
+    }
+}
+
+/* If a line is the command of a program that renders, note whether it asks for
+ * irradiance, at the surfaces that are seen or at sensors. */
 static void
 get_irradiance(struct reader *in, const char *line)
 {
     static const char *const programs[] = { "radsubmit ", "rpict ", "rtpict ",
-                                            "rvu " };
-    bool renders = false;
+                                            "rvu ", "rtrace " };
 
     for (size_t i = 0; i < sizeof programs / sizeof programs[0]; i++)
-        renders |= strncmp(line, programs[i], strlen(programs[i])) == 0;
-    for (const char *at = line; renders && (at = strstr(at, " -i")); at += 3) {
-        char sign = at[3];
-
-        if (sign == ' ' || sign == '\0')
-            in->irradiance = !in->irradiance;
-        else if (strchr("+1yYtT", sign))
-            in->irradiance = true;
-        else if (strchr("-0nNfF", sign))
-            in->irradiance = false;
-    }
+        if (strncmp(line, programs[i], strlen(programs[i])) == 0) {
+            get_switch(line, " -i", &in->seen);
+            get_switch(line, " -I", &in->sensed);
+        }
 }
 
 static int
@@ -496,7 +507,7 @@ arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
             *to++ = in->xyz ? within_gamut(rad_xyz_to_rgb(L)) : L;
         }
     pic->pixaspect = in->pixaspect;
-    pic->irradiance = in->irradiance;
+    pic->irradiance = in->seen || in->sensed;
     pic->other_primaries = in->primaries && !in->xyz;
     memcpy(pic->chroma, in->chroma, sizeof pic->chroma);
     return 0;

@@ -410,6 +410,37 @@ TEST(exposure_and_colour_correction_are_undone)
     rad_picture_release(&pic);
 }
 
+static const struct {
+    const char *line;
+    bool irradiance;
+} commands[] = {
+    { "rpict -x 1 -y 1", false },
+    { "rpict -i -x 1", true },
+    { "rpict -i+ -i", false },
+    { "radsubmit -x 1 -i+ -u-", true },
+    { "radsubmit --points -I+ -fac -i- -u-", true }, /* sensors */
+    { "radsubmit --points -I- -fac -i- -u-", false },
+    { "rtrace -I -fac -x 1 -y 1", true },
+    { "rtrace -fac -x 1 -y 1 -in", false },
+    { "\trpict -i", false }, /* of another picture */
+    { "pcomb -i", false },
+};
+
+LOOP_TEST(commands_say_whether_a_picture_is_of_irradiance, N_ELEM(commands))
+{
+    struct rad_picture pic;
+    char text[200];
+    int n = snprintf(text, sizeof text,
+                     "#?RADIANCE\n%s\nFORMAT=32-bit_rle_rgbe\n\n"
+                     "-Y 1 +X 1\n\x80\x80\x80\x81",
+                     commands[_i].line);
+
+    ck_assert_int_eq(
+        rad_hdr_read((const uint8_t *)text, (size_t)n, 1, &pic, NULL), 0);
+    ck_assert_int_eq(pic.irradiance, commands[_i].irradiance);
+    rad_picture_release(&pic);
+}
+
 /* As Radiance 1 wrote it. */
 TEST(oldest_header_is_read)
 {
