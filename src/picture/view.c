@@ -175,15 +175,17 @@ int
 rad_view_line(struct rad_view *v, const char *line, size_t len,
               struct rad_error *err)
 {
-    const char *end = line + len, *at = line;
+    static const char mark[] = "\xef\xbb\xbf"; /* some editors put it first */
+    const char *end = line + len, *at;
     char word[4][LONGEST_WORD + 1];
     char *argv[4] = { word[0], word[1], word[2], word[3] };
     int found = 0;
 
+    if (len >= 3 && memcmp(line, mark, 3) == 0)
+        line += 3;
     if (!is_view_line(line, end))
         return 0;
-    if (len >= 5 && memcmp(line, "VIEW=", 5) == 0)
-        at = line + 5;
+    at = end - line >= 5 && memcmp(line, "VIEW=", 5) == 0 ? line + 5 : line;
     while (next_word(&at, end, word[0])) {
         const char *after = at;
         int argc = 1, used;

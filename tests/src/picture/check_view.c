@@ -252,6 +252,8 @@ static const struct {
     { "rpict -x 3\n", 0, 0 },
     { "", 0, 0 },
     { "VIEW=\t-vp\t3  0 0", 1, 3 },
+    { "\xef\xbb\xbfVIEW= -vp 3 0 0\n", 1, 3 },
+    { "\xef\xbb\xbf", 0, 0 },
     { "VIEW= -vp 3 0\n", RAD_EDATA, 0 },
     { "VIEW= -vp 3 0 zero\n", RAD_EDATA, 0 },
     { "VIEW= -vtx\n", RAD_EDATA, 0 },
