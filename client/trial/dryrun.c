@@ -195,7 +195,7 @@ dryrun_print(const struct msg_spec *spec, const struct prediction *p,
     double least, most;
     int len;
 
-    printf("scene    %u objects, %s MB to be there\n", (unsigned)spec->objects,
+    printf("scene    %u objects, %s MB of files\n", (unsigned)spec->objects,
            figure(text, (double)spec->bundle_bytes / 1e6, 3));
     printf("needs    %s\n", spec->needs);
     printf("memory   %.0f MB of each worker\n", p->bytes / 1e6);
