@@ -258,6 +258,14 @@ ctl_check_enroll(struct ctl *c)
     return 0;
 }
 
+/* Is it a name by which each host calls itself? */
+static bool
+is_loopback(const char *host)
+{
+    return strcmp(host, "localhost") == 0 || strcmp(host, "::1") == 0 ||
+           strncmp(host, "127.", 4) == 0;
+}
+
 static void
 tell_what_to_do(const struct ctl *c, const json_t *done)
 {
@@ -280,6 +288,11 @@ ctl_run_enroll(struct ctl *c)
     struct enroll e = { .c = c };
     int rc = rad_make_dir(c->folder, 0700, c->err);
 
+    if (rc == 0 && is_loopback(c->to.host))
+        tell(stderr,
+             "radctl: warning: '%s' is each host itself: with "
+             "--coordinator=HOST:PORT name this machine as other hosts do",
+             c->to.host);
     if (rc == 0)
         rc = list_keys(&e);
     e.done = json_array();

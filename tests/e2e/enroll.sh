@@ -70,6 +70,7 @@ enroll()
     "$radctl" --coordinator="$address" --key=admin enroll "$@"
 }
 enroll new1 new2 --output=made >told 2>err || fail "coordinator: $(cat err)"
+grep -q "'127.0.0.1' is each host itself" err || fail "no warning: $(cat err)"
 cp made/new1/key first
 enroll new1 --output=made >told 2>err || fail "again: $(cat err)"
 cmp -s first made/new1/key || fail "another key the second time"
