@@ -222,7 +222,8 @@ take_scenes(struct cursor *c, bool dashes)
         if (strcmp(word, "-") == 0)
             nstdin++;
         else if (word[0] == '-' && !dashes)
-            return rad_fail(c->err, RAD_EUSAGE, "option '%s' after scene '%s'",
+            return rad_fail(c->err, RAD_EUSAGE,
+                            "option '%s' after scene '%s': options come first",
                             word, c->o->scenes[0]);
     }
     if (nstdin > 1)

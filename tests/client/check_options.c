@@ -309,7 +309,7 @@ static const struct {
     { "--detach -cs 6 -pXYZ a.rad", "-pXYZ" },
     { "-vu 0 1 0 a.rad", "" }, /* parallel to the direction */
     { "-vf", "-vf" },
-    { "a.rad -x 3", "-x" },
+    { "a.rad -x 3", "'-x' after scene 'a.rad': options come first" },
     { "- -", "standard input" },
     { "", "scene" },
     { "-ab 0", "scene" },
