@@ -13,7 +13,8 @@ struct outcome {
 
 struct row {
     const char *name;
-    struct outcome (*measure)(const double *a);
+    /* Opens the stage, which the caller closes. */
+    struct outcome (*measure)(struct stage *s, const double *a);
     double a[5];
     double tolerance; /* largest relative error allowed */
 };

@@ -96,15 +96,14 @@ random_way(int i, double way[3])
  * no place may differ from the glow, whatever it sees and however many bounces
  * there are (a[0]). */
 static double
-white_furnace(const double *a, int effort)
+white_furnace(struct stage *s, const double *a)
 {
     char options[160];
     struct errors e = { 0 };
-    struct stage s;
 
     snprintf(options, sizeof options,
              EXACT "-ab %d -aa .2 -ar 64 -ad 1024 -as 64 -av 2 2 2", (int)a[0]);
-    stage_open(&s, options,
+    stage_open(s, options,
                "void glow g 0 0 4 2 2 2 0\ng source sky 0 0 4 0 0 1 360\n"
                "void plastic p 0 0 5 1 1 1 0 0\n"
                "p ring floor 0 0 8 0 0 0 0 0 1 0 3\n"
@@ -113,15 +112,14 @@ white_furnace(const double *a, int effort)
                "p sphere ball 0 0 4 0 0 .5 .5\n"
                "p cup pot 0 0 8 -1 -1 0 -1 -1 .8 .2 .5\n"
                "p tube pipe 0 0 7 0 0 1.2 2 .5 1.5 .1\n");
-    for (int i = 0; i < 1000 * (effort > 1 ? 4 : 1); i++) {
+    for (int i = 0; i < 1000 * (s->effort > 1 ? 4 : 1); i++) {
         double from[3] = { -2, -2, 2.5 }, to[3];
         uint64_t key = rad_key_branch(80, (uint64_t)i);
 
         for (uint32_t k = 0; k < 3; k++)
             to[k] = 3 * rad_rand(key, k) - (k < 2 ? 1.5 : .5) - from[k];
-        note(&e, radiance(&s, from, to, i), 2);
+        note(&e, radiance(s, from, to, i), 2);
     }
-    stage_close(&s);
     return rms(&e);
 }
 
@@ -132,27 +130,25 @@ white_furnace(const double *a, int effort)
  * sphere's wall sees equal patches alike (Sumpner 1892).  So all gradients are
  * zero, and interpolation can do no harm.  a[0]: mean instead. */
 static double
-patch_in_sphere(const double *a, int effort)
+patch_in_sphere(struct stage *s, const double *a)
 {
     static const double in[3] = { .2, .1, -.3 };
     double z = sqrt(.75);
     struct errors e = { 0 };
-    struct stage s;
 
-    stage_open(&s, EXACT "-ab 1 -aa .1 -ar 64 -ad 2048 -as 0",
+    stage_open(s, EXACT "-ab 1 -aa .1 -ar 64 -ad 2048 -as 0",
                "void glow g 0 0 4 1 1 1 0\n"
                "g ring d 0 0 8 0 0 %.17g 0 0 -1 0 .5\n"
                "void plastic p 0 0 5 .5 .5 .5 0 0\n"
                "p bubble wall 0 0 4 0 0 0 1\n",
                z);
-    for (int i = 0; i < few(effort); i++) {
+    for (int i = 0; i < few(s->effort); i++) {
         double way[3];
 
         random_way(i, way);
         way[2] = -fabs(way[2]);
-        note(&e, radiance(&s, in, way, i), .5 * (1 - z) / 2);
+        note(&e, radiance(s, in, way, i), .5 * (1 - z) / 2);
     }
-    stage_close(&s);
     return a[0] != 0 ? bias(&e) : rms(&e);
 }
 
@@ -163,31 +159,29 @@ patch_in_sphere(const double *a, int effort)
  * but one of more does where few would do: reflectances are such that what the
  * next bounce would add is below the tolerance.  a[2]: mean instead. */
 static double
-sphere_in_sphere(const double *a, int effort)
+sphere_in_sphere(struct stage *s, const double *a)
 {
     double L = 0;
     char options[160];
     struct errors e = { 0 };
-    struct stage s;
 
     snprintf(options, sizeof options,
              EXACT "-ab %d -aa .2 -ar 64 -ad 512 -as 0", (int)a[1]);
-    stage_open(&s, options,
+    stage_open(s, options,
                "void glow g 0 0 4 1 1 1 0\ng sphere inner 0 0 4 0 0 0 1\n"
                "void plastic p 0 0 5 %.17g %.17g %.17g 0 0\n"
                "p bubble wall 0 0 4 0 0 0 2\n",
                a[0], a[0], a[0]);
     for (int k = 0; k < (int)a[1]; k++)
         L = a[0] * (.25 + .75 * L);
-    for (int i = 0; i < few(effort); i++) {
+    for (int i = 0; i < few(s->effort); i++) {
         double from[3], way[3];
 
         random_way(i, from);
         rad_scale(from, 1.2, from);
         rad_copy(way, from);
-        note(&e, radiance(&s, from, way, i), L);
+        note(&e, radiance(s, from, way, i), L);
     }
-    stage_close(&s);
     return a[2] != 0 ? bias(&e) : rms(&e);
 }
 
@@ -206,16 +200,14 @@ ceiling_light(const double p[3], double x0, double y0, double x1, double y1,
 /* A uniform patch above a black floor, at 60 x 60 points (Lambert 1760), with
  * -ad a[0] and -aa a[1].  a[2]: mean instead. */
 static double
-patch_above_floor(const double *a, int effort)
+patch_above_floor(struct stage *s, const double *a)
 {
     char options[160];
     struct errors e = { 0 };
-    struct stage s;
 
-    (void)effort;
     snprintf(options, sizeof options, EXACT "-ab 1 -aa %g -ar 0 -ad %d -as 0",
              a[1], (int)a[0]);
-    stage_open(&s, options,
+    stage_open(s, options,
                "void glow g 0 0 4 1 1 1 0\n"
                "g polygon patch 0 0 12 -1 -1 1 -1 1 1 1 1 1 1 -1 1\n"
                "void plastic p 0 0 5 0 0 0 0 0\n"
@@ -225,9 +217,8 @@ patch_above_floor(const double *a, int effort)
         int k = i * 1103 % 3600;
         double p[3] = { -2 + (k % 60 + .5) / 15., -2 + (k / 60 + .5) / 15., 0 };
 
-        note(&e, irradiance(&s, p, up, i), ceiling_light(p, -1, -1, 1, 1, 1));
+        note(&e, irradiance(s, p, up, i), ceiling_light(p, -1, -1, 1, 1, 1));
     }
-    stage_close(&s);
     return a[2] != 0 ? bias(&e) : rms(&e);
 }
 
@@ -235,15 +226,13 @@ patch_above_floor(const double *a, int effort)
  * Gauss's points: pointwise by Lambert, and with a[0] the form factor between
  * opposite faces (Howell 2010, C-11), with a[0] = 2 between adjacent ones. */
 static double
-cube_enclosure(const double *a, int effort)
+cube_enclosure(struct stage *s, const double *a)
 {
     static const double side[3] = { 1, 0, 0 };
     double x[STAGE_GAUSS], w[STAGE_GAUSS], q = sqrt(2), F, sum = 0;
     struct errors e = { 0 };
-    struct stage s;
 
-    (void)effort;
-    stage_open(&s, EXACT "-ab 1 -aa .1 -ar 64 -ad 1024 -as 0",
+    stage_open(s, EXACT "-ab 1 -aa .1 -ar 64 -ad 1024 -as 0",
                "void glow g 0 0 4 1 1 1 0\n"
                "g polygon t 0 0 12 0 0 1 0 1 1 1 1 1 1 0 1\n"
                "void plastic p 0 0 5 0 0 0 0 0\n"
@@ -256,14 +245,13 @@ cube_enclosure(const double *a, int effort)
     for (int i = 0; i < 24 * 24; i++) {
         double u = x[i / 24], v = x[i % 24];
         double floor[3] = { u, v, 0 }, wall[3] = { 0, u, v };
-        double E = a[0] == 2 ? irradiance(&s, wall, side, i)
-                             : irradiance(&s, floor, up, i);
+        double E = a[0] == 2 ? irradiance(s, wall, side, i)
+                             : irradiance(s, floor, up, i);
 
         if (a[0] == 0)
             note(&e, E, ceiling_light(floor, 0, 0, 1, 1, 1));
         sum += w[i / 24] * w[i % 24] * E / M_PI;
     }
-    stage_close(&s);
     F = 2 / M_PI * (log(2 / sqrt(3)) + 2 * q * atan(1 / q) - M_PI / 2);
     if (a[0] == 2)
         F = (1 - F) / 4;
@@ -274,13 +262,11 @@ cube_enclosure(const double *a, int effort)
  * the irradiance is close to pi / 2 and falls with the distance (Howell 2010,
  * B-4: a wall 4 wide and 1 high, seen from before its middle). */
 static double
-inside_corner(const double *a, int effort)
+inside_corner(struct stage *s, const double *a)
 {
     struct errors e = { 0 };
-    struct stage s;
 
-    (void)effort;
-    stage_open(&s, EXACT "-ab 1 -aa .1 -ar 128 -ad 1024 -as 0",
+    stage_open(s, EXACT "-ab 1 -aa .1 -ar 128 -ad 1024 -as 0",
                "void glow g 0 0 4 1 1 1 0\n"
                "g polygon wall 0 0 12 0 -2 0 0 2 0 0 2 1 0 -2 1\n"
                "void plastic p 0 0 5 0 0 0 0 0\n"
@@ -296,9 +282,8 @@ inside_corner(const double *a, int effort)
 
             E += (atan(b / p[0]) - p[0] / r * atan(b / r)) / 2;
         }
-        note(&e, irradiance(&s, p, up, i), E);
+        note(&e, irradiance(s, p, up, i), E);
     }
-    stage_close(&s);
     return rms(&e);
 }
 
@@ -309,17 +294,15 @@ inside_corner(const double *a, int effort)
  * form factors: 4 pi^2 r^2 (1 + a[0] + ...), a[1] bounces (conservation of
  * energy). */
 static double
-box_flux(const double *a, int effort)
+box_flux(struct stage *s, const double *a)
 {
     static const double size[3] = { 2, 1.5, 1 };
     double x[STAGE_GAUSS], w[STAGE_GAUSS], sum = 0, share = 0;
     char options[160];
-    struct stage s;
 
-    (void)effort;
     snprintf(options, sizeof options,
              EXACT "-ab %d -aa .15 -ar 32 -ad 256 -as 64", (int)a[1]);
-    stage_open(&s, options,
+    stage_open(s, options,
                "void light l 0 0 3 1 1 1\nl sphere b 0 0 4 .9 .7 .6 .004\n"
                "void plastic p 0 0 5 %.17g %.17g %.17g 0 0\n"
                "p polygon f 0 0 12 0 0 0 2 0 0 2 1.5 0 0 1.5 0\n"
@@ -339,9 +322,8 @@ box_flux(const double *a, int effort)
         p[k1] = size[k1] * x[u];
         p[k2] = size[k2] * x[v];
         n[k] = f % 2 ? -1 : 1;
-        sum += size[k1] * size[k2] * w[u] * w[v] * irradiance(&s, p, n, i);
+        sum += size[k1] * size[k2] * w[u] * w[v] * irradiance(s, p, n, i);
     }
-    stage_close(&s);
     for (int k = 0; k <= (int)a[1]; k++)
         share += pow(a[0], k);
     return fabs(sum / (4 * M_PI * M_PI * 1.6e-5 * share) - 1);
@@ -351,13 +333,11 @@ box_flux(const double *a, int effort)
  * them light the floor as rectangles do that lie side by side, each as often
  * dimmed as mirrors lie between. */
 static double
-shaft_of_mirrors(const double *a, int effort)
+shaft_of_mirrors(struct stage *s, const double *a)
 {
     struct errors e = { 0 };
-    struct stage s;
 
-    (void)effort;
-    stage_open(&s,
+    stage_open(s,
                "-lw 0 -lr 40 -dt 0 -dj 0 -st 0 "
                "-ab 1 -aa .1 -ar 64 -ad 1024 -as 0",
                "void glow g 0 0 4 1 1 1 0\n"
@@ -378,9 +358,8 @@ shaft_of_mirrors(const double *a, int effort)
             for (int v = -30; v <= 30; v++)
                 E += pow(a[0], abs(u) + abs(v)) *
                      ceiling_light(p, u, v, u + 1, v + 1, 1);
-        note(&e, irradiance(&s, p, up, i), E);
+        note(&e, irradiance(s, p, up, i), E);
     }
-    stage_close(&s);
     return rms(&e);
 }
 
@@ -391,13 +370,12 @@ shaft_of_mirrors(const double *a, int effort)
  * above the floor.  The largest radiance of the dark room, in units of the lit
  * one's mean. */
 static double
-leak(const double *a, int effort)
+leak(struct stage *s, const double *a)
 {
     double dark = 0, lit = 0;
-    int n = 600 * (effort > 1 ? 8 : 1);
-    struct stage s;
+    int n = 600 * (s->effort > 1 ? 8 : 1);
 
-    stage_open(&s, EXACT "-ab 2 -aa .2 -ad 64 -as 0 -ar 64",
+    stage_open(s, EXACT "-ab 2 -aa .2 -ad 64 -as 0 -ar 64",
                "void plastic p 0 0 5 .7 .7 .7 0 0\n"
                "void light l 0 0 3 100 100 100\nl sphere b 0 0 4 -1 0 0 .2\n"
                "p polygon w 0 0 12 0 -1 %.17g 0 1 %.17g 0 1 1 0 -1 1\n"
@@ -424,26 +402,23 @@ leak(const double *a, int effort)
         }
         rad_sub(to, to, from);
         if (i % 2)
-            dark = fmax(dark, radiance(&s, from, to, i));
+            dark = fmax(dark, radiance(s, from, to, i));
         else
-            lit += radiance(&s, from, to, i) / (n / 2);
+            lit += radiance(s, from, to, i) / (n / 2);
     }
-    stage_close(&s);
     return dark / lit;
 }
 
 /* A box with walls of one polygon each in a lit room, on its floor: the largest
  * radiance inside. */
 static double
-box_in_room(const double *a, int effort)
+box_in_room(struct stage *s, const double *a)
 {
     double dark = 0, lit = 0;
     int n = 600;
-    struct stage s;
 
     (void)a;
-    (void)effort;
-    stage_open(&s, EXACT "-ab 2 -aa .2 -ad 64 -as 0 -ar 64",
+    stage_open(s, EXACT "-ab 2 -aa .2 -ad 64 -as 0 -ar 64",
                "void plastic p 0 0 5 .7 .7 .7 0 0\n"
                "void light l 0 0 3 100 100 100\nl sphere b 0 0 4 0 0 3 .2\n"
                "p bubble room 0 0 4 0 0 2 4\n"
@@ -460,15 +435,14 @@ box_in_room(const double *a, int effort)
 
         random_way(i, way);
         if (i % 2) {
-            dark = fmax(dark, radiance(&s, in, way, i));
+            dark = fmax(dark, radiance(s, in, way, i));
             continue;
         }
         for (uint32_t k = 0; k < 2; k++)
             way[k] = 1.4 * rad_rand(key, k) - .7 - from[k];
         way[2] = 1.1 * rad_rand(key, 2) - from[2];
-        lit += radiance(&s, from, way, i) / (n / 2);
+        lit += radiance(s, from, way, i) / (n / 2);
     }
-    stage_close(&s);
     return dark / lit;
 }
 

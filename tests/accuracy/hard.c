@@ -52,12 +52,11 @@ add(struct text *t, const char *format, ...)
 
 /* Rays that leave a closed mesh of size a[0] at a[1]. */
 static double
-leaks(const double *a, int effort)
+leaks(struct stage *s, const double *a)
 {
     const double c[3] = { a[1], a[1], -a[1] };
     struct rad_geom_counts counts = { 0 };
     struct text t = { NULL, 0, 0 };
-    struct stage s;
     int out = 0;
 
     add(&t, "void plastic p 0 0 5 .5 .5 .5 0 0\n");
@@ -73,16 +72,15 @@ leaks(const double *a, int effort)
                 add(&t, "\n");
             }
         }
-    stage_open(&s, "", "%s", t.at);
-    for (int i = 0; i < 50000 * effort; i++) {
+    stage_open(s, "", "%s", t.at);
+    for (int i = 0; i < 50000 * s->effort; i++) {
         struct rad_span span = { .tmin = 0, .tmax = INFINITY };
         struct rad_hit hit;
 
         mesh_ray(rad_key_branch(8, (uint64_t)i), a[0], c, span.org, span.dir);
-        out += !rad_geom_nearest(s.job->geom, &span, &hit, &counts);
-        out += !is_blocked(s.job->geom, &span, RAD_VOID, NULL, &counts);
+        out += !rad_geom_nearest(s->job->geom, &span, &hit, &counts);
+        out += !is_blocked(s->job->geom, &span, RAD_VOID, NULL, &counts);
     }
-    stage_close(&s);
     free(t.at);
     return out;
 }
@@ -195,7 +193,7 @@ render_room(const struct place *p, struct rad_rgb picture[WIDE * HIGH])
     struct rad_error err = { 0 };
     struct rad_frame f;
     struct rad_view v;
-    struct stage s;
+    struct stage s = { 0 };
 
     add_room(&t, p);
     stage_open(&s,
@@ -244,21 +242,21 @@ share_apart(const struct place *p, const struct place *q)
 }
 
 static double
-scaled(const double *a, int effort)
+scaled(struct stage *s, const double *a)
 {
     struct place home = { 1, 0, false, false }, there = home;
 
-    (void)effort;
+    (void)s;
     there.scale = a[0];
     return share_apart(&home, &there);
 }
 
 static double
-moved(const double *a, int effort)
+moved(struct stage *s, const double *a)
 {
     struct place back = { 1, a[0], true, false }, there = back;
 
-    (void)effort;
+    (void)s;
     there.back = false;
     return share_apart(&back, &there);
 }
@@ -268,21 +266,20 @@ moved(const double *a, int effort)
 /* A dark box of size a[0] at a[1] in light, seen from within: of rays to its
  * edges and corners, those that find light, for others leave from there. */
 static double
-leaks_from_edges(const double *a, int effort)
+leaks_from_edges(struct stage *s, const double *a)
 {
     const double lo[3] = { -1, -1, -1 }, hi[3] = { 1, 1, 1 };
     const struct place p = { .scale = a[0], .offset = a[1] };
     struct text t = { NULL, 0, 0 };
-    struct stage s;
     int lit = 0;
 
     add_box(&t, &p, "w", lo, hi);
-    stage_open(&s, "-ab 1 -aa 0 -ad 64 -as 0 -dj 0",
+    stage_open(s, "-ab 1 -aa 0 -ad 64 -as 0 -dj 0",
                "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glow g 0 0 4 1 1 1 0\n"
                "void light l 0 0 3 1e6 1e6 1e6\n"
                "g source s 0 0 4 0 0 1 360\nl source m 0 0 4 1 2 3 1\n%s",
                t.at);
-    for (int i = 0; i < 600 * effort; i++) {
+    for (int i = 0; i < 600 * s->effort; i++) {
         uint64_t key = rad_key_branch(17, (uint64_t)i);
         double from[3], dir[3];
 
@@ -295,9 +292,8 @@ leaks_from_edges(const double *a, int effort)
             from[k] = at(&p, eye);
             dir[k] = at(&p, to) - from[k];
         }
-        lit += stage_radiance(&s, from, dir, key) > 0;
+        lit += stage_radiance(s, from, dir, key) > 0;
     }
-    stage_close(&s);
     free(t.at);
     return lit;
 }
@@ -307,14 +303,13 @@ leaks_from_edges(const double *a, int effort)
 /* Share of places on a ball of radius a[0] that a sun, or with a[1] a ceiling
  * lamp, does not light as it lights a plane; a ball stands on it. */
 static double
-acne(const double *a, int effort)
+acne(struct stage *s, const double *a)
 {
     static const double down[3] = { 0, 0, -1 };
-    int n = 20000 * effort, wrong = 0;
+    int n = 20000 * s->effort, wrong = 0;
     double half = sin(M_PI / 720), truth;
-    struct stage s;
 
-    stage_open(&s, "-dt 0",
+    stage_open(s, "-dt 0",
                "void plastic p 0 0 5 .5 .5 .5 0 0\n"
                "p sphere ground 0 0 4 0 0 %.17g %.17g\n"
                "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 .6 0 .8 "
@@ -325,13 +320,12 @@ acne(const double *a, int effort)
         uint64_t key = rad_key_branch(3, (uint64_t)i);
         double p[3] = { 2e-4 * a[0] * (rad_rand(key, 0) - .5),
                         2e-4 * a[0] * (rad_rand(key, 1) - .5), 1e-4 * a[0] };
-        double nz, L = stage_radiance(&s, p, down, key);
+        double nz, L = stage_radiance(s, p, down, key);
 
         /* the normal leans with the place */
         nz = sqrt(1 - (p[0] * p[0] + p[1] * p[1]) / (a[0] * a[0]));
         wrong += !(fabs(L / (truth * (.6 * p[0] / a[0] + .8 * nz)) - 1) < 1e-5);
     }
-    stage_close(&s);
     return (double)wrong / n;
 }
 
@@ -342,13 +336,12 @@ static const double up[3] = { 0, 0, 1 };
 /* Share of places on a floor that a point-like sun a[0] degrees above the
  * horizon does not light as it should. */
 static double
-grazing_sun(const double *a, int effort)
+grazing_sun(struct stage *s, const double *a)
 {
     double t = a[0] * M_PI / 180, half = M_PI / 360 * 1e-4, truth;
-    int n = 20000 * effort, wrong = 0;
-    struct stage s;
+    int n = 20000 * s->effort, wrong = 0;
 
-    stage_open(&s, "-dt 0",
+    stage_open(s, "-dt 0",
                "void plastic p 0 0 5 .5 .5 .5 0 0\n"
                "p polygon f 0 0 12 -9 -9 .1 9 -9 .1 9 9 .1 -9 9 .1\n"
                "void light l 0 0 3 1e20 1e20 1e20\n"
@@ -362,23 +355,20 @@ grazing_sun(const double *a, int effort)
         double way[3] = { .3 * rad_rand(key, 2), .3 * rad_rand(key, 3), -1 };
 
         if (fabs(p[0] + 2.9 * way[0]) < 9 && fabs(p[1] + 2.9 * way[1]) < 9)
-            wrong +=
-                !(fabs(stage_radiance(&s, p, way, key) / truth - 1) < 1e-3);
+            wrong += !(fabs(stage_radiance(s, p, way, key) / truth - 1) < 1e-3);
     }
-    stage_close(&s);
     return (double)wrong / n;
 }
 
 /* Share of rays at a[0] radians to a floor, from a ten thousandth of its size
  * above it, that do not meet it where they should, to 1e-9 of the way. */
 static double
-grazing_rays(const double *a, int effort)
+grazing_rays(struct stage *s, const double *a)
 {
     struct rad_geom_counts counts = { 0 };
-    int n = 20000 * effort, wrong = 0;
-    struct stage s;
+    int n = 20000 * s->effort, wrong = 0;
 
-    stage_open(&s, "",
+    stage_open(s, "",
                "void plastic p 0 0 5 .5 .5 .5 0 0\n"
                "p polygon f 0 0 12 -9 -9 .1 9 -9 .1 9 9 .1 -9 9 .1\n");
     for (int i = 0; i < n; i++) {
@@ -391,11 +381,10 @@ grazing_rays(const double *a, int effort)
                                  INFINITY };
         struct rad_hit hit;
 
-        wrong += !rad_geom_nearest(s.job->geom, &span, &hit, &counts) ||
+        wrong += !rad_geom_nearest(s->job->geom, &span, &hit, &counts) ||
                  !(fabs(hit.t * cos(a[0]) - way) <= 1e-9 + 2e-16 / a[0]) ||
                  !(fabs(hit.p[2] - .1) <= hit.err);
     }
-    stage_close(&s);
     return (double)wrong / n;
 }
 
@@ -403,13 +392,12 @@ grazing_rays(const double *a, int effort)
  * behind it than rounding can tell, through it: the modifier defined later
  * wins. */
 static double
-coincident(const double *a, int effort)
+coincident(struct stage *s, const double *a)
 {
     static const double eye[3] = { .1, .2, 3 };
-    int n = 20000 * effort, wrong = 0;
-    struct stage s;
+    int n = 20000 * s->effort, wrong = 0;
 
-    stage_open(&s, "",
+    stage_open(s, "",
                "void glow under 0 0 4 1 1 1 0\nvoid glow over 0 0 4 2 2 2 0\n"
                "over polygon o 0 0 12 -1 -1 .7 1 -1 .3 1 1 .1 -1 1 .5\n"
                "under polygon u 0 0 9 -1 -1 .7 1 -1 .3 1 1 .1\n"
@@ -421,46 +409,39 @@ coincident(const double *a, int effort)
 
         to[2] = .4 - .2 * (to[0] + .5 * to[1]);
         rad_sub(to, to, eye);
-        wrong += stage_radiance(&s, eye, to, key) != 2;
+        wrong += stage_radiance(s, eye, to, key) != 2;
     }
     (void)a;
-    stage_close(&s);
     return (double)wrong / n;
 }
 
 /* A lamp in the plane of its ceiling: relative error of the light below. */
 static double
-flush_lamp(const double *a, int effort)
+flush_lamp(struct stage *s, const double *a)
 {
     static const double p[3] = { 1, .5, 0 };
-    double found, x = hypot(1, .5), z = 4 + x * x + .25;
+    double x = hypot(1, .5), z = 4 + x * x + .25;
     double truth = M_PI / 2 * (1 - (z - .5) / sqrt(z * z - x * x));
-    struct stage s;
 
     (void)a;
-    (void)effort;
-    stage_open(&s, "-dt 0 -ds .2",
+    stage_open(s, "-dt 0 -ds .2",
                "void plastic p 0 0 5 .5 .5 .5 0 0\n"
                "p polygon ceiling 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n"
                "p polygon floor 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
                "void light l 0 0 3 1 1 1\nl ring r 0 0 8 0 0 2 0 0 -1 0 .5\n");
-    found = stage_irradiance(&s, p, up);
-    stage_close(&s);
-    return fabs(found / truth - 1);
+    return fabs(stage_irradiance(s, p, up) / truth - 1);
 }
 
 /* The largest radiance in a closed box that touches a lit one, with indirect
  * light interpolated over both. */
 static double
-dark_box(const double *a, int effort)
+dark_box(struct stage *s, const double *a)
 {
     double most = 0;
     int n = 200;
-    struct stage s;
 
     (void)a;
-    (void)effort;
-    stage_open(&s, "-ab 2 -aa .2 -ad 64 -as 0 -ar 32 -dt 0",
+    stage_open(s, "-ab 2 -aa .2 -ad 64 -as 0 -ar 32 -dt 0",
                "void plastic p 0 0 5 .7 .7 .7 0 0\n"
                "void light l 0 0 3 100 100 100\nl sphere b 0 0 4 -1 0 0 .2\n"
                "p polygon w 0 0 12 0 -1 -1 0 1 -1 0 1 1 0 -1 1\n"
@@ -477,24 +458,21 @@ dark_box(const double *a, int effort)
         for (uint32_t k = 0; k < 3; k++)
             way[k] = 2 * rad_rand(key, k) - 1;
         if (i % 2 == 0)
-            stage_radiance(&s, lit, way, key);
+            stage_radiance(s, lit, way, key);
         else
-            most = fmax(most, stage_radiance(&s, dark, way, key));
+            most = fmax(most, stage_radiance(s, dark, way, key));
     }
-    stage_close(&s);
     return most;
 }
 
 /* a[0] lamps: relative error of their sum. */
 static double
-many_lamps(const double *a, int effort)
+many_lamps(struct stage *s, const double *a)
 {
     static const double p[3] = { 0, 0, 0 };
     struct text t = { NULL, 0, 0 };
     double truth = 0, found;
-    struct stage s;
 
-    (void)effort;
     add(&t, "void light l 0 0 3 1 1 1\n");
     for (int i = 0; i < (int)a[0]; i++) {
         uint64_t key = rad_key_branch(9, (uint64_t)i);
@@ -505,78 +483,68 @@ many_lamps(const double *a, int effort)
         add(&t, "l sphere s 0 0 4 %.17g %.17g %.17g 1e-3\n", c[0], c[1], c[2]);
         truth += M_PI * 1e-6 * c[2] / (d2 * sqrt(d2));
     }
-    stage_open(&s, "-dt 0", "%s", t.at);
-    found = stage_irradiance(&s, p, up);
-    stage_close(&s);
+    stage_open(s, "-dt 0", "%s", t.at);
+    found = stage_irradiance(s, p, up);
     free(t.at);
     return fabs(found / truth - 1);
 }
 
 /* All that a scene without light sends, with every kind of ray. */
 static double
-black_scene(const double *a, int effort)
+black_scene(struct stage *s, const double *a)
 {
     double sum = 0;
     struct text t = { NULL, 0, 0 };
     struct place dark = { 1, 0, false, true };
-    struct stage s;
 
     (void)a;
     add_room(&t, &dark);
-    stage_open(&s, "-ab 1 -aa .3 -ad 16 -as 0", "%s", t.at);
-    for (int i = 0; i < 200 * effort; i++) {
+    stage_open(s, "-ab 1 -aa .3 -ad 16 -as 0", "%s", t.at);
+    for (int i = 0; i < 200 * s->effort; i++) {
         uint64_t key = rad_key_branch(10, (uint64_t)i);
         double eye[3] = { 4.3, .4, 1.7 }, way[3];
 
         for (uint32_t k = 0; k < 3; k++)
             way[k] = 2 * rad_rand(key, k) - 1;
-        sum += stage_radiance(&s, eye, way, key);
+        sum += stage_radiance(s, eye, way, key);
     }
-    sum += (double)s.ctx.counts.unsound_rays;
-    stage_close(&s);
+    sum += (double)s->ctx.counts.unsound_rays;
     free(t.at);
     return sum;
 }
 
 /* Relative error of what a[0] clear panes, one behind another, let through. */
 static double
-many_panes(const double *a, int effort)
+many_panes(struct stage *s, const double *a)
 {
     static const double eye[3] = { 0, 0, 1 }, down[3] = { .1, 0, -1 };
     struct text t = { NULL, 0, 0 };
     double found;
-    struct stage s;
 
-    (void)effort;
     add(&t, "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 -1 180\n"
             "void glass pane 0 0 4 .999 .999 .999 1\n");
     for (int i = 0; i < (int)a[0]; i++)
         add(&t, "pane ring r 0 0 8 0 0 %.17g 0 0 1 0 99\n", -1e-3 * i);
-    stage_open(&s, "-lw 0 -lr 9", "%s", t.at);
-    found = stage_radiance(&s, eye, down, 1);
-    stage_close(&s);
+    stage_open(s, "-lw 0 -lr 9", "%s", t.at);
+    found = stage_radiance(s, eye, down, 1);
     free(t.at);
     return fabs(found / pow(.999, a[0] * sqrt(1.01)) - 1);
 }
 
 /* Relative error of the area of a concave polygon with a hole on a seam. */
 static double
-seamed_area(const double *a, int effort)
+seamed_area(struct stage *s, const double *a)
 {
-    double found;
-    struct stage s;
+    static const char view[] = "VIEW= -vtl -vp 0 -3 0 -vd 0 1 0 -vh 2 -vv 2";
 
     (void)a;
-    (void)effort;
-    stage_open(&s, "-ps 1 -pj 1 -x 400 -y 400",
+    stage_open(s, "-ps 1 -pj 1 -x 400 -y 400",
                "void glow g 0 0 4 1 1 1 0\n"
                "g polygon p 0 0 36 -.9 0 -.9 0 0 -.5 .9 0 -.9 .6 0 .8 0 0 .2 "
                "-.6 0 .8 -.9 0 -.9 -.3 0 -.3 -.3 0 0 .2 0 .1 .3 0 -.3 "
                "-.3 0 -.3\n");
-    found = stage_lit_area(&s, "VIEW= -vtl -vp 0 -3 0 -vd 0 1 0 -vh 2 -vv 2");
-    stage_close(&s);
     /* Gauss's formula for the outline, less that for the hole */
-    return fabs(found / (1.83 - .195) - 1);
+    return fabs(stage_lit_area(s, view) / (1.83 - .195) - 1);
 }
 
 const struct hard_row hard_rows[] = {

@@ -2,10 +2,13 @@
 #ifndef RADD_TESTS_HARD_H
 #define RADD_TESTS_HARD_H
 
+#include "stage.h"
+
 struct hard_row {
     const char *name;
-    /* Returns what is counted or measured; effort 1 is quick. */
-    double (*measure)(const double *a, int effort);
+    /* Returns what is counted or measured.  May open the stage, which the
+     * caller closes. */
+    double (*measure)(struct stage *s, const double *a);
     double a[3];
     double most; /* allowed */
 };

@@ -22,79 +22,63 @@ radians(double deg)
 /* Sphere of radius a[0] at distance a[1], a[2] degrees from the normal:
  * E = pi L (r/d)^2 cos (Lambert 1760). */
 static struct outcome
-sphere(const double *a)
+sphere(struct stage *s, const double *a)
 {
     double t = radians(a[2]), n[3] = { sin(t), 0, cos(t) };
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, DIVIDED, LAMP "sphere b 0 0 4 0 0 %.17g %.17g\n", a[1],
-               a[0]);
-    o.found = stage_irradiance(&s, origin, n);
-    o.truth = M_PI * a[0] * a[0] / (a[1] * a[1]) * cos(t);
-    stage_close(&s);
-    return o;
+    stage_open(s, DIVIDED, LAMP "sphere b 0 0 4 0 0 %.17g %.17g\n", a[1], a[0]);
+    return (struct outcome){ stage_irradiance(s, origin, n),
+                             M_PI * a[0] * a[0] / (a[1] * a[1]) * cos(t) };
 }
 
 /* Ring from a[0] to a[1], a[2] beside the point, at height a[3]. */
 static struct outcome
-ring(const double *a)
+ring(struct stage *s, const double *a)
 {
-    struct outcome o;
-    struct stage s;
-
-    stage_open(&s, DIVIDED,
+    stage_open(s, DIVIDED,
                LAMP "ring b 0 0 8 %.17g 0 %.17g 0 0 -1 %.17g %.17g\n", a[2],
                a[3], a[0], a[1]);
-    o.found = stage_irradiance(&s, origin, up);
-    o.truth = lambert_disk(a[1], a[2], a[3]) - lambert_disk(a[0], a[2], a[3]);
-    stage_close(&s);
-    return o;
+    return (struct outcome){ stage_irradiance(s, origin, up),
+                             lambert_disk(a[1], a[2], a[3]) -
+                                 lambert_disk(a[0], a[2], a[3]) };
 }
 
 /* Rectangle a[0] by a[1] parallel to the surface at height a[2], with a corner
  * above the point (Lambert 1760; Howell 2010, B-3). */
 static struct outcome
-parallel_rectangle(const double *a)
+parallel_rectangle(struct stage *s, const double *a)
 {
     double x = a[0] / a[2], y = a[1] / a[2];
     double p = sqrt(1 + x * x), q = sqrt(1 + y * y);
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, DIVIDED,
+    stage_open(s, DIVIDED,
                LAMP "polygon b 0 0 12 0 0 %.17g 0 %.17g %.17g %.17g %.17g "
                     "%.17g %.17g 0 %.17g\n",
                a[2], a[1], a[2], a[0], a[1], a[2], a[0], a[2]);
-    o.found = stage_irradiance(&s, origin, up);
-    o.truth = (x / p * atan(y / p) + y / q * atan(x / q)) / 2;
-    stage_close(&s);
-    return o;
+    return (struct outcome){ stage_irradiance(s, origin, up),
+                             (x / p * atan(y / p) + y / q * atan(x / q)) / 2 };
 }
 
 /* Rectangle a[0] wide and a[1] high that stands on the surface at distance
  * a[2], with a corner before the point (Howell 2010, B-4). */
 static struct outcome
-standing_rectangle(const double *a)
+standing_rectangle(struct stage *s, const double *a)
 {
     double r = hypot(a[1], a[2]);
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, DIVIDED,
+    stage_open(s, DIVIDED,
                LAMP "polygon b 0 0 12 %.17g 0 0 %.17g 0 %.17g %.17g %.17g "
                     "%.17g %.17g %.17g 0\n",
                a[2], a[2], a[1], a[2], a[0], a[1], a[2], a[0]);
-    o.found = stage_irradiance(&s, origin, up);
-    o.truth = (atan(a[0] / a[2]) - a[2] / r * atan(a[0] / r)) / 2;
-    stage_close(&s);
-    return o;
+    return (struct outcome){ stage_irradiance(s, origin, up),
+                             (atan(a[0] / a[2]) - a[2] / r * atan(a[0] / r)) /
+                                 2 };
 }
 
 /* Polygons above a tilted surface (Lambert 1760): a triangle, and a concave
  * arrow head, from place a[1] beside and with a[2] degrees of tilt. */
 static struct outcome
-polygon(const double *a)
+polygon(struct stage *s, const double *a)
 {
     static const double arrow[] = { 0, 0, 2, -1, -1, 2, 0, 1.5, 2.4, 1, -1, 2 };
     static const double triangle[] = { 0, 0, 1, 0, 1, 2, 1, 0, 1.5 };
@@ -102,55 +86,45 @@ polygon(const double *a)
     double t = radians(a[2]), p[3] = { a[1], .3, 0 };
     double n[3] = { -sin(t), 0, cos(t) };
     char text[400] = "";
-    struct outcome o;
-    struct stage s;
     int used = 0;
 
     for (int i = 0; i < 3 * (int)a[0]; i++)
         used +=
             snprintf(text + used, sizeof text - (size_t)used, " %.17g", v[i]);
-    stage_open(&s, DIVIDED, LAMP "polygon b 0 0 %d%s\n", 3 * (int)a[0], text);
-    o.found = stage_irradiance(&s, p, n);
-    o.truth = lambert(v, (int)a[0], p, n);
-    stage_close(&s);
-    return o;
+    stage_open(s, DIVIDED, LAMP "polygon b 0 0 %d%s\n", 3 * (int)a[0], text);
+    return (struct outcome){ stage_irradiance(s, p, n),
+                             lambert(v, (int)a[0], p, n) };
 }
 
 /* Share of what disk a[0] sends that reaches coaxial disk a[1] at distance
  * a[2], from the irradiance at radii of equal areas (Howell 2010, C-41). */
 static struct outcome
-coaxial_disks(const double *a)
+coaxial_disks(struct stage *s, const double *a)
 {
     double r1 = a[0] / a[2], r2 = a[1] / a[2], sum = 0;
     double S = 1 + (1 + r2 * r2) / (r1 * r1), x[STAGE_GAUSS], w[STAGE_GAUSS];
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, DIVIDED, LAMP "ring b 0 0 8 0 0 %.17g 0 0 -1 0 %.17g\n",
-               a[2], a[0]);
+    stage_open(s, DIVIDED, LAMP "ring b 0 0 8 0 0 %.17g 0 0 -1 0 %.17g\n", a[2],
+               a[0]);
     stage_gauss(12, x, w);
     for (int i = 0; i < 12; i++) {
         double p[3] = { a[1] * sqrt(x[i]), 0, 0 };
 
-        sum += w[i] * stage_irradiance(&s, p, up);
+        sum += w[i] * stage_irradiance(s, p, up);
     }
-    o.found = sum / M_PI * r2 * r2 / (r1 * r1);
-    o.truth = (S - sqrt(S * S - 4 * r2 * r2 / (r1 * r1))) / 2;
-    stage_close(&s);
-    return o;
+    return (struct outcome){ sum / M_PI * r2 * r2 / (r1 * r1),
+                             (S - sqrt(S * S - 4 * r2 * r2 / (r1 * r1))) / 2 };
 }
 
 /* Share of what a face of a cube sends to the opposite (a[0] = 0) or to an
  * adjacent one (Howell 2010, C-11 and the sum of all six). */
 static struct outcome
-cube_faces(const double *a)
+cube_faces(struct stage *s, const double *a)
 {
     double x[STAGE_GAUSS], w[STAGE_GAUSS], q = sqrt(2), opposite, sum = 0;
     static const double side[3] = { 1, 0, 0 };
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-dt 0 -ds .05",
+    stage_open(s, "-dt 0 -ds .05",
                LAMP "polygon b 0 0 12 0 0 1 0 1 1 1 1 1 1 0 1\n");
     stage_gauss(16, x, w);
     for (int i = 0; i < 16; i++)
@@ -158,26 +132,22 @@ cube_faces(const double *a)
             double floor[3] = { x[i], x[k], 0 }, wall[3] = { 0, x[i], x[k] };
 
             sum += w[i] * w[k] *
-                   (a[0] == 0 ? stage_irradiance(&s, floor, up)
-                              : stage_irradiance(&s, wall, side));
+                   (a[0] == 0 ? stage_irradiance(s, floor, up)
+                              : stage_irradiance(s, wall, side));
         }
     opposite = 2 / M_PI * (log(2 / sqrt(3)) + 2 * q * atan(1 / q) - M_PI / 2);
-    o.found = sum / M_PI;
-    o.truth = a[0] == 0 ? opposite : (1 - opposite) / 4;
-    stage_close(&s);
-    return o;
+    return (struct outcome){ sum / M_PI,
+                             a[0] == 0 ? opposite : (1 - opposite) / 4 };
 }
 
 /* The flux of a small ball through the faces of a cube about it is all that it
  * sends, 4 pi r^2 times pi L; the ball is off the middle. */
 static struct outcome
-flux(const double *a)
+flux(struct stage *s, const double *a)
 {
     double x[STAGE_GAUSS], w[STAGE_GAUSS], sum = 0;
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-dt 0", LAMP "sphere b 0 0 4 .1 -.2 .3 %.17g\n", a[0]);
+    stage_open(s, "-dt 0", LAMP "sphere b 0 0 4 .1 -.2 .3 %.17g\n", a[0]);
     stage_gauss(24, x, w);
     for (int face = 0; face < 6; face++)
         for (int i = 0; i < 24; i++)
@@ -188,89 +158,70 @@ flux(const double *a)
                 p[(face / 2 + 1) % 3] = 2 * x[i] - 1;
                 p[(face / 2 + 2) % 3] = 2 * x[k] - 1;
                 n[face / 2] = face % 2 ? -1 : 1;
-                sum += 4 * w[i] * w[k] * stage_irradiance(&s, p, n);
+                sum += 4 * w[i] * w[k] * stage_irradiance(s, p, n);
             }
-    o.found = sum;
-    o.truth = 4 * M_PI * M_PI * a[0] * a[0];
-    stage_close(&s);
-    return o;
+    return (struct outcome){ sum, 4 * M_PI * M_PI * a[0] * a[0] };
 }
 
 /* A sun of a[0] degrees, a[1] degrees from the normal: pi sin^2 of half its
  * angle, and the cosine. */
 static struct outcome
-sun(const double *a)
+sun(struct stage *s, const double *a)
 {
     double t = radians(a[1]), half = sin(radians(a[0] / 2));
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-dt 0", LAMP "source b 0 0 4 %.17g 0 %.17g %.17g\n", sin(t),
+    stage_open(s, "-dt 0", LAMP "source b 0 0 4 %.17g 0 %.17g %.17g\n", sin(t),
                cos(t), a[0]);
-    o.found = stage_irradiance(&s, origin, up);
-    o.truth = M_PI * half * half * cos(t);
-    stage_close(&s);
-    return o;
+    return (struct outcome){ stage_irradiance(s, origin, up),
+                             M_PI * half * half * cos(t) };
 }
 
 /* A spotlight's source lies its focal length a[1] behind the surface: E =
  * L A / (d + f)^2 (Radiance's reference manual). */
 static struct outcome
-spotlight(const double *a)
+spotlight(struct stage *s, const double *a)
 {
-    struct outcome o;
-    struct stage s;
-
-    stage_open(&s, "-dt 0",
+    stage_open(s, "-dt 0",
                "void spotlight l 0 0 7 1 1 1 60 0 0 %.17g\n"
                "l ring b 0 0 8 0 0 %.17g 0 0 -1 0 .01\n",
                -a[1], a[0]);
-    o.found = stage_irradiance(&s, origin, up);
-    o.truth = M_PI * 1e-4 / ((a[0] + a[1]) * (a[0] + a[1]));
-    stage_close(&s);
-    return o;
+    return (struct outcome){ stage_irradiance(s, origin, up),
+                             M_PI * 1e-4 / ((a[0] + a[1]) * (a[0] + a[1])) };
 }
 
 /* A thin tube of half length a[0] and radius a[1], centred at height a[2]: the
  * integral of 2 r h^2 / d^4 along it. */
 static struct outcome
-tube(const double *a)
+tube(struct stage *s, const double *a)
 {
     double h = a[2], r2 = h * h + a[0] * a[0];
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, DIVIDED,
+    stage_open(s, DIVIDED,
                LAMP "cylinder b 0 0 7 %.17g 0 %.17g %.17g 0 %.17g "
                     "%.17g\n",
                -a[0], h, a[0], h, a[1]);
-    o.found = stage_irradiance(&s, origin, up);
-    o.truth = 2 * a[1] * (a[0] / r2 + atan(a[0] / h) / h);
-    stage_close(&s);
-    return o;
+    return (struct outcome){ stage_irradiance(s, origin, up),
+                             2 * a[1] * (a[0] / r2 + atan(a[0] / h) / h) };
 }
 
 /* A small ball before a mirror wall at distance a[0] and its image: the light
  * of both. */
 static struct outcome
-mirror_wall(const double *a)
+mirror_wall(struct stage *s, const double *a)
 {
     /* squared distances of the ball and of its image, both 2 up */
     double r = .01, near = 4, far = 4 * a[0] * a[0] + 4;
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-dt 0 -dr 1",
+    stage_open(s, "-dt 0 -dr 1",
                LAMP "sphere b 0 0 4 0 0 2 %.17g\n"
                     "void mirror m 0 0 3 .7 .7 .7\n"
                     "m polygon w 0 0 12 %.17g -9 -9 %.17g -9 9 %.17g 9 9 "
                     "%.17g 9 -9\n",
                r, a[0], a[0], a[0], a[0]);
-    o.found = stage_irradiance(&s, origin, up);
-    o.truth =
-        M_PI * r * r * (2 / (near * sqrt(near)) + .7 * 2 / (far * sqrt(far)));
-    stage_close(&s);
-    return o;
+    return (struct outcome){
+        stage_irradiance(s, origin, up),
+        M_PI * r * r * (2 / (near * sqrt(near)) + .7 * 2 / (far * sqrt(far)))
+    };
 }
 
 /* The irradiance that the cap of a sphere gives anywhere else on the inside of
@@ -278,19 +229,15 @@ mirror_wall(const double *a)
  * (a patch of a sphere sees all equal patches of it alike): the mouth has
  * radius a[0], the place is a[1] degrees from the cap's opposite. */
 static struct outcome
-patch_in_sphere(const double *a)
+patch_in_sphere(struct stage *s, const double *a)
 {
     double t = radians(a[1]), z = sqrt(1 - a[0] * a[0]);
     double p[3] = { sin(t), 0, -cos(t) }, n[3] = { -sin(t), 0, cos(t) };
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, DIVIDED, LAMP "ring b 0 0 8 0 0 %.17g 0 0 -1 0 %.17g\n", z,
+    stage_open(s, DIVIDED, LAMP "ring b 0 0 8 0 0 %.17g 0 0 -1 0 %.17g\n", z,
                a[0]);
-    o.found = stage_irradiance(&s, p, n);
-    o.truth = 2 * M_PI * (1 - z) / 4;
-    stage_close(&s);
-    return o;
+    return (struct outcome){ stage_irradiance(s, p, n),
+                             2 * M_PI * (1 - z) / 4 };
 }
 
 /* Areas of what is seen in parallel along y: a ball, a tube and a cone from
@@ -307,18 +254,16 @@ static const struct {
 };
 
 static struct outcome
-silhouette(const double *a)
+silhouette(struct stage *s, const double *a)
 {
     int k = (int)a[0];
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-ps 1 -pj 1 -x 400 -y 400",
+    stage_open(s, "-ps 1 -pj 1 -x 400 -y 400",
                "void glow g 0 0 4 1 1 1 0\ng %s\n", outline[k].surface);
-    o.found = stage_lit_area(&s, "VIEW= -vtl -vp 0 -3 0 -vd 0 1 0 -vh 2 -vv 2");
-    o.truth = outline[k].area;
-    stage_close(&s);
-    return o;
+    return (struct outcome){
+        stage_lit_area(s, "VIEW= -vtl -vp 0 -3 0 -vd 0 1 0 -vh 2 -vv 2"),
+        outline[k].area
+    };
 }
 
 const struct row light_rows[] = {

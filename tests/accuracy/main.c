@@ -22,10 +22,12 @@ run(const struct row *rows, bool table, const char *words)
     for (; rows->name; rows++) {
         if (!strstr(rows->name, words))
             continue;
-        struct outcome o = rows->measure(rows->a);
+        struct stage s = { .effort = 1 };
+        struct outcome o = rows->measure(&s, rows->a);
         double error = fabs(o.found / o.truth - 1);
         bool ok = error <= rows->tolerance; /* not if it is no number */
 
+        stage_close(&s);
         bad += !ok;
         if (table)
             printf("| %s | %.7g | %.7g | %.1e | %.0e |\n", rows->name, o.truth,
@@ -48,9 +50,11 @@ run_hard(const struct hard_row *rows, const char *title, bool table,
     for (; rows->name; rows++) {
         if (!strstr(rows->name, words))
             continue;
-        double found = rows->measure(rows->a, table ? 200 : 1);
+        struct stage s = { .effort = table ? 200 : 1 };
+        double found = rows->measure(&s, rows->a);
         bool ok = found <= rows->most;
 
+        stage_close(&s);
         bad += !ok;
         if (table)
             printf("| %s | %.2g | %g |\n", rows->name, found, rows->most);

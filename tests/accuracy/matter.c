@@ -30,17 +30,16 @@ look(struct stage *s, double t)
 /* A pane of glass of transmissivity a[0] at a[1] degrees: all reflections
  * within are summed (Radiance's reference manual, "glass"). */
 static struct outcome
-glass(const double *a)
+glass(struct stage *s, const double *a)
 {
     double t = a[1] * M_PI / 180, r[2];
     struct outcome o = { 0, 0 };
-    struct stage s;
 
-    stage_open(&s, "-lw 0",
+    stage_open(s, "-lw 0",
                "void glass m 0 0 3 %.17g %.17g %.17g\n"
                "m ring p 0 0 8 0 0 0 0 0 1 0 9\n" BACKLIGHT,
                a[0], a[0], a[0]);
-    o.found = look(&s, t);
+    o.found = look(s, t);
     fresnel(1.52, t, &r[0], &r[1]);
     for (int k = 0; k < 2; k++) {
         double R = r[k] * r[k];
@@ -48,100 +47,79 @@ glass(const double *a)
 
         o.truth += .5 * (1 - R) * (1 - R) * d / (1 - R * R * d * d);
     }
-    stage_close(&s);
     return o;
 }
 
 /* A clear slab of index a[0], met at right angles, passes (1-R)/(1+R). */
 static struct outcome
-slab(const double *a)
+slab(struct stage *s, const double *a)
 {
     double r = pow((a[0] - 1) / (a[0] + 1), 2);
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-lr 40 -lw 0",
+    stage_open(s, "-lr 40 -lw 0",
                "void dielectric m 0 0 5 1 1 1 %.17g 0\n"
                "m ring top 0 0 8 0 0 0 0 0 1 0 9\n"
                "m ring bottom 0 0 8 0 0 -1 0 0 -1 0 9\n" BACKLIGHT,
                a[0]);
-    o.found = look(&s, 0);
-    o.truth = (1 - r) / (1 + r);
-    stage_close(&s);
-    return o;
+    return (struct outcome){ look(s, 0), (1 - r) / (1 + r) };
 }
 
 /* What the surface of a dielectric of index a[0] reflects at a[1] degrees; at
  * Brewster's angle, atan n, that is one polarization alone. */
 static struct outcome
-reflection(const double *a)
+reflection(struct stage *s, const double *a)
 {
     double t = a[1] < 0 ? atan(a[0]) : a[1] * M_PI / 180, rs, rp;
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-lw 0",
+    stage_open(s, "-lw 0",
                "void dielectric m 0 0 5 1 1 1 %.17g 0\n"
                "m ring top 0 0 8 0 0 0 0 0 1 0 9\n"
                "void glow g 0 0 4 1 1 1 0\ng source above 0 0 4 0 0 1 180\n",
                a[0]);
-    o.found = look(&s, t);
     fresnel(a[0], t, &rs, &rp);
-    o.truth = (rs * rs + rp * rp) / 2;
-    stage_close(&s);
-    return o;
+    return (struct outcome){ look(s, t), (rs * rs + rp * rp) / 2 };
 }
 
 /* Within a dielectric of index a[0] the outside is brighter by its square, less
  * what the surface reflects. */
 static struct outcome
-radiance_within(const double *a)
+radiance_within(struct stage *s, const double *a)
 {
     static const double in[3] = { 0, 0, 1 }, down[3] = { 0, 0, -1 };
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-lw 0",
+    stage_open(s, "-lw 0",
                "void dielectric m 0 0 5 1 1 1 %.17g 0\n"
                "m ring bottom 0 0 8 0 0 0 0 0 -1 0 9\n" BACKLIGHT,
                a[0]);
-    o.found = stage_radiance(&s, in, down, 1);
-    o.truth = a[0] * a[0] * (1 - pow((a[0] - 1) / (a[0] + 1), 2));
-    stage_close(&s);
-    return o;
+    return (struct outcome){ stage_radiance(s, in, down, 1),
+                             a[0] * a[0] *
+                                 (1 - pow((a[0] - 1) / (a[0] + 1), 2)) };
 }
 
 /* a[0] thick, a[1] of the light through each unit, the way at a[2] degrees;
  * index 1, so that nothing else happens (Bouguer 1729). */
 static struct outcome
-absorption(const double *a)
+absorption(struct stage *s, const double *a)
 {
     double t = a[2] * M_PI / 180;
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-lw 0",
+    stage_open(s, "-lw 0",
                "void dielectric m 0 0 5 %.17g %.17g %.17g 1 0\n"
                "m ring top 0 0 8 0 0 0 0 0 1 0 99\n"
                "m ring bottom 0 0 8 0 0 %.17g 0 0 -1 0 99\n" BACKLIGHT,
                a[1], a[1], a[1], -a[0]);
-    o.found = look(&s, t);
-    o.truth = pow(a[1], a[0] / cos(t));
-    stage_close(&s);
-    return o;
+    return (struct outcome){ look(s, t), pow(a[1], a[0] / cos(t)) };
 }
 
 /* A slab of index a[0], a[1] thick, met at a[2] degrees: the place on the
  * ground where the way ends, told by its brightness (Snell 1621). */
 static struct outcome
-shift(const double *a)
+shift(struct stage *s, const double *a)
 {
     double t = a[2] * M_PI / 180, in = asin(sin(t) / a[0]), T;
     double rs, rp, x = a[1] * tan(in) + (2 - a[1]) * tan(t);
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-lw 0 -lr 1",
+    stage_open(s, "-lw 0 -lr 1",
                "void dielectric m 0 0 5 1 1 1 %.17g 0\n"
                "m ring top 0 0 8 0 0 0 0 0 1 0 9\n"
                "m ring bottom 0 0 8 0 0 %.17g 0 0 -1 0 9\n"
@@ -151,28 +129,19 @@ shift(const double *a)
                a[0], -a[1]);
     fresnel(a[0], t, &rs, &rp);
     T = 1 - (rs * rs + rp * rp) / 2; /* each surface by itself */
-    o.found = look(&s, t) / (T * T);
-    o.truth = x;
-    stage_close(&s);
-    return o;
+    return (struct outcome){ look(s, t) / (T * T), x };
 }
 
 /* Mist of extinction a[0] over length a[1] (Bouguer 1729). */
 static struct outcome
-extinction(const double *a)
+extinction(struct stage *s, const double *a)
 {
-    struct outcome o;
-    struct stage s;
-
-    stage_open(&s, "-lw 0",
+    stage_open(s, "-lw 0",
                "void mist m 0 0 3 %.17g %.17g %.17g\n"
                "m ring top 0 0 8 0 0 0 0 0 1 0 9\n"
                "m ring bottom 0 0 8 0 0 %.17g 0 0 -1 0 9\n" BACKLIGHT,
                a[0], a[0], a[0], -a[1]);
-    o.found = look(&s, 0);
-    o.truth = exp(-a[0] * a[1]);
-    stage_close(&s);
-    return o;
+    return (struct outcome){ look(s, 0), exp(-a[0] * a[1]) };
 }
 
 /* What a layer of mist, 2 thick, scatters of a sun at a[2] degrees from the way
@@ -180,7 +149,7 @@ extinction(const double *a)
  * what it takes: E p times the integral over the way, by 4000 rays of 16
  * samples. */
 static struct outcome
-scattering(const double *a)
+scattering(struct stage *s, const double *a)
 {
     static const double up[3] = { 0, 0, 1 }, down[3] = { 0, 0, -1 };
     double t = a[2] * M_PI / 180, g = a[1], half = sin(M_PI / 1440), sum = 0;
@@ -188,10 +157,9 @@ scattering(const double *a)
     double dim = a[3] * a[0] / cos(t); /* on the sun's way, per depth */
     int n = 4000;
     struct outcome o;
-    struct stage s;
 
     stage_open(
-        &s, "-lw 0 -ms .125",
+        s, "-lw 0 -ms .125",
         "void light l 0 0 3 1e6 1e6 1e6\n"
         "l source sun 0 0 4 %.17g 0 %.17g .5\n"
         "void mist m 1 sun 0 7 %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n"
@@ -199,12 +167,11 @@ scattering(const double *a)
         "m ring bottom 0 0 8 0 0 -2 0 0 -1 0 99\n",
         sin(t), -cos(t), a[0], a[0], a[0], 1 - a[3], 1 - a[3], 1 - a[3], g);
     for (int i = 0; i < n; i++)
-        sum += stage_radiance(&s, up, down, (uint64_t)i);
+        sum += stage_radiance(s, up, down, (uint64_t)i);
     o.found = sum / n;
     /* the disk's solid angle, 2 pi (1 - cos) of its half angle */
     o.truth = 1e6 * omega * (1 - g * g) / (4 * M_PI * q * sqrt(q)) *
               (1 - a[3]) * (exp(-2 * dim) - exp(-2 * a[0])) / (1 - dim / a[0]);
-    stage_close(&s);
     return o;
 }
 
@@ -212,25 +179,23 @@ scattering(const double *a)
  * (a[0] = 0) or from behind: its diffuse reflectance or transmittance times
  * E / pi (Radiance's reference manual, "trans"). */
 static struct outcome
-sheet(const double *a)
+sheet(struct stage *s, const double *a)
 {
     double t = a[1] * M_PI / 180, half = sin(M_PI / 720), E;
     double color = .8, trans = .6, tspec = .3;
-    struct outcome o;
-    struct stage s;
 
-    stage_open(&s, "-dt 0",
+    stage_open(s, "-dt 0",
                "void light l 0 0 3 1e6 1e6 1e6\n"
                "l source sun 0 0 4 %.17g 0 %.17g .5\n"
                "void trans m 0 0 7 %g %g %g 0 0 %g %g\n"
                "m ring top 0 0 8 0 0 0 0 0 1 0 9\n",
                sin(t), a[0] == 0 ? cos(t) : -cos(t), color, color, color, trans,
                tspec);
-    o.found = look(&s, 0);
     E = M_PI * half * half * 1e6 * cos(t);
-    o.truth = E / M_PI * color * (a[0] == 0 ? 1 - trans : trans * (1 - tspec));
-    stage_close(&s);
-    return o;
+    return (struct outcome){
+        look(s, 0),
+        E / M_PI * color * (a[0] == 0 ? 1 - trans : trans * (1 - tspec))
+    };
 }
 
 const struct row matter_rows[] = {

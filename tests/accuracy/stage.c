@@ -56,7 +56,7 @@ stage_open(struct stage *s, const char *options, const char *scene, ...)
     va_start(ap, scene);
     vsnprintf(text, (size_t)n + 1, scene, ap);
     va_end(ap);
-    memset(s, 0, sizeof *s);
+    *s = (struct stage){ .effort = s->effort };
     take_options(&s->params, options);
     s->scene = rad_scene_new();
     check(rad_parse_text(s->scene, text, strlen(text), "text", NULL, &err),
@@ -71,9 +71,12 @@ stage_open(struct stage *s, const char *options, const char *scene, ...)
 void
 stage_close(struct stage *s)
 {
+    if (!s->scene)
+        return;
     rad_ctx_release(&s->ctx);
     rad_job_free(s->job);
     rad_scene_free(s->scene);
+    s->scene = NULL;
 }
 
 double

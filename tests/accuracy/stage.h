@@ -7,6 +7,7 @@
 #include "trace/job.h"
 
 struct stage {
+    int effort; /* 1 is quick; kept by stage_open() */
     struct rad_scene *scene;
     struct rad_params params;
     struct rad_job *job;
@@ -16,6 +17,7 @@ struct stage {
 /* Rendering options, blank-separated, and a scene's text by printf(). */
 void stage_open(struct stage *s, const char *options, const char *scene, ...)
     __attribute__((format(printf, 3, 4)));
+/* Also closes a stage that is zero, or closed. */
 void stage_close(struct stage *s);
 
 /* Red irradiance at p on the side of unit normal n. */
