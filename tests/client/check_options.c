@@ -13,7 +13,19 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-FIXTURE(scratch_make, scratch_remove)
+/* The command line that was parsed last, and what it comes to. */
+static struct words w;
+static struct submit_options o;
+static struct rad_error err;
+
+static void
+tear_down(void)
+{
+    words_release(&w);
+    scratch_remove();
+}
+
+FIXTURE(scratch_make, tear_down)
 
 /* Cut a command line at its blanks (those of `line`, which is changed). */
 static int
@@ -23,16 +35,15 @@ split(char *line, char *argv[], int room)
     char *save;
 
     argv[argc++] = (char *)"radsubmit";
-    for (char *w = strtok_r(line, " ", &save); w && argc < room - 1;
-         w = strtok_r(NULL, " ", &save))
-        argv[argc++] = w;
+    for (char *word = strtok_r(line, " ", &save); word && argc < room - 1;
+         word = strtok_r(NULL, " ", &save))
+        argv[argc++] = word;
     argv[argc] = NULL;
     return argc;
 }
 
 static int
-parse(struct submit_options *o, struct words *w, const char *text,
-      struct rad_error *err)
+parse(const char *text)
 {
     static char line[1000];
     char *argv[100];
@@ -40,21 +51,18 @@ parse(struct submit_options *o, struct words *w, const char *text,
 
     snprintf(line, sizeof line, "%s", text);
     argc = split(line, argv, N_ELEM(argv));
-    ck_assert_int_eq(words_init(w, argc, argv, err), 0);
-    return submit_parse(o, w, err);
+    words_release(&w);
+    err = (struct rad_error){ 0 };
+    ck_assert_int_eq(words_init(&w, argc, argv, &err), 0);
+    return submit_parse(&o, &w, &err);
 }
 
 TEST(options_of_both_kinds_mix)
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     int rc =
-        parse(&o, &w,
-              "-ab 2 --workers=3 -x 384 --threads 2 -vp 1 2 3 -dv- "
+        parse("-ab 2 --workers=3 -x 384 --threads 2 -vp 1 2 3 -dv- "
               "--partition=window --order random --windows=64 -o a.hdr "
-              "--no-share --same-bits -z d.z --seed=7 --wait 2.5 a.rad b.rad",
-              &err);
+              "--no-share --same-bits -z d.z --seed=7 --wait 2.5 a.rad b.rad");
 
     ck_assert_msg(rc == SUBMIT_RUN, "%s", err.what);
     ck_assert_int_eq(o.params.ambounce, 2);
@@ -75,7 +83,6 @@ TEST(options_of_both_kinds_mix)
     ck_assert_str_eq(o.depth, "d.z");
     ck_assert_int_eq(o.nscenes, 2);
     ck_assert_str_eq(o.scenes[1], "b.rad");
-    words_release(&w);
 }
 
 /* The rendering options that a command line comes to. */
@@ -84,32 +91,21 @@ params_of(const char *text)
 {
     static char formatted[2][RAD_PARAMS_TEXT];
     static int turn;
-    struct rad_error err = { 0 };
-    struct submit_options o;
-    struct words w;
 
-    ck_assert_int_eq(parse(&o, &w, text, &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse(text), SUBMIT_RUN);
     turn = !turn;
     rad_params_format(&o.params, formatted[turn], RAD_PARAMS_TEXT);
-    words_release(&w);
     return formatted[turn];
 }
 
 TEST(a_dash_is_standard_output)
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
-
-    ck_assert_int_eq(parse(&o, &w, "-o - a.rad", &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse("-o - a.rad"), SUBMIT_RUN);
     ck_assert_ptr_null(o.output);
-    words_release(&w);
-    ck_assert_int_eq(parse(&o, &w, "-S 1 -o - a.rad", &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse("-S 1 -o - a.rad"), SUBMIT_RUN);
     ck_assert_ptr_null(o.output);
-    words_release(&w);
-    ck_assert_int_eq(parse(&o, &w, "-o ./- a.rad", &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse("-o ./- a.rad"), SUBMIT_RUN);
     ck_assert_str_eq(o.output, "./-");
-    words_release(&w);
 }
 
 TEST(quality_is_for_what_was_not_said)
@@ -147,21 +143,14 @@ LOOP_TEST(samples_go_by_quality_or_by_what_the_picture_is_for, 12)
                  { "--quality=medium a.rad", 2 },
                  { "--quality=high a.rad", 3 },
                  { "--oversample=4 --quality=high a.rad", 4 } };
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
 
-    ck_assert_int_eq(parse(&o, &w, rows[_i].line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse(rows[_i].line), SUBMIT_RUN);
     ck_assert_int_eq(o.oversample, rows[_i].oversample);
     ck_assert_int_eq(o.params.xres, 512 * rows[_i].oversample);
-    words_release(&w);
 }
 
 TEST(options_about_messages_are_rpicts)
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     static const struct {
         const char *line;
         bool quiet;
@@ -172,37 +161,30 @@ TEST(options_about_messages_are_rpicts)
                 { "-w -w+ a.rad", false } };
 
     for (int i = 0; i < N_ELEM(say); i++) {
-        ck_assert_int_eq(parse(&o, &w, say[i].line, &err), SUBMIT_RUN);
+        ck_assert_int_eq(parse(say[i].line), SUBMIT_RUN);
         ck_assert_int_eq(o.quiet, say[i].quiet);
-        words_release(&w);
     }
-    ck_assert_int_eq(parse(&o, &w, "-t 30 -e err.txt a.rad", &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse("-t 30 -e err.txt a.rad"), SUBMIT_RUN);
     ck_assert_int_eq(o.report_s, 30);
     ck_assert_str_eq(o.errors, "err.txt");
-    words_release(&w);
 }
 
 TEST(names_of_modifiers_come_from_files)
 {
     char path[] = "/tmp/check_options.XXXXXX", line[200];
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     int fd = mkstemp(path);
 
     ck_assert_int_ge(fd, 0);
     ck_assert_int_eq(write(fd, " red\n\tblue green ", 17), 17);
     close(fd);
     snprintf(line, sizeof line, "-ae white -aE %s a.rad", path);
-    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse(line), SUBMIT_RUN);
     ck_assert_int_eq(o.params.amblisted, RAD_AMB_EXCLUDE);
     ck_assert_str_eq(o.params.amblist, "white red blue green");
-    words_release(&w);
     snprintf(line, sizeof line, "-ae white -aI %s a.rad", path);
-    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse(line), SUBMIT_RUN);
     ck_assert_int_eq(o.params.amblisted, RAD_AMB_INCLUDE);
     ck_assert_str_eq(o.params.amblist, "red blue green");
-    words_release(&w);
     unlink(path);
 }
 
@@ -231,18 +213,12 @@ static const struct {
 
 LOOP_TEST(work_is_shared_as_asked, N_ELEM(sharing))
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
-
-    ck_assert_msg(parse(&o, &w, sharing[_i].line, &err) == SUBMIT_RUN, "%s",
-                  err.what);
+    ck_assert_msg(parse(sharing[_i].line) == SUBMIT_RUN, "%s", err.what);
     ck_assert_int_eq(o.partition, sharing[_i].partition);
     ck_assert_int_eq(o.order, sharing[_i].order);
     ck_assert_pstr_eq(o.estimate, sharing[_i].estimate);
     ck_assert_pstr_eq(o.costs, sharing[_i].costs);
     ck_assert_int_eq(o.no_balance, sharing[_i].no_balance);
-    words_release(&w);
 }
 
 static const struct {
@@ -317,15 +293,10 @@ static const struct {
 
 LOOP_TEST(wrong_command_lines_are_named, N_ELEM(wrong))
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
-
-    ck_assert_int_eq(parse(&o, &w, wrong[_i].line, &err), RAD_EUSAGE);
+    ck_assert_int_eq(parse(wrong[_i].line), RAD_EUSAGE);
     ck_assert_int_eq(rad_exit_status(err.code), EX_USAGE);
     ck_assert_msg(strstr(err.what, wrong[_i].names), "'%s' does not name '%s'",
                   err.what, wrong[_i].names);
-    words_release(&w);
 }
 
 /* Options with what each needs, and those that it does not go with.  A pair
@@ -406,22 +377,18 @@ LOOP_TEST(each_pair_goes_together_or_is_named, N_ELEM(together))
     for (size_t j = 0; j < N_ELEM(together); j++) {
         bool refused = has_word(together[_i].against, together[j].name) ||
                        has_word(together[j].against, together[_i].name);
-        struct submit_options o;
-        struct words w;
-        struct rad_error err = { 0 };
         char line[300];
         int rc;
 
         snprintf(line, sizeof line, "%s %s a.rad", together[_i].words,
                  together[j].words);
-        rc = parse(&o, &w, line, &err);
+        rc = parse(line);
         if (!refused)
             ck_assert_msg(rc == SUBMIT_RUN, "%s: %s", line, err.what);
         else
             ck_assert_msg(rc == RAD_EUSAGE && strchr(err.what, '-'),
                           "%s is taken (%d), or told as '%s'", line, rc,
                           err.what);
-        words_release(&w);
     }
 }
 
@@ -443,19 +410,15 @@ static const struct {
 
 LOOP_TEST(each_three_bands_are_a_job_of_their_own, N_ELEM(planes))
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     char line[200];
 
     snprintf(line, sizeof line, "-cs 6 %s a.rad", planes[_i].words);
-    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse(line), SUBMIT_RUN);
     ck_assert_int_eq(submit_pairs_check(&o, true, &err),
                      planes[_i].refused ? RAD_EUSAGE : 0);
     if (planes[_i].refused)
         ck_assert_msg(strstr(err.what, "-cs above 3 and -") == err.what, "%s",
                       err.what);
-    words_release(&w);
 }
 
 static const struct {
@@ -472,15 +435,11 @@ static const struct {
 
 LOOP_TEST(the_last_word_says_whether_spectra_are_written, N_ELEM(last))
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     char line[200];
 
     snprintf(line, sizeof line, "%s a.rad", last[_i].words);
-    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse(line), SUBMIT_RUN);
     ck_assert_int_eq(o.spectral, last[_i].spectral);
-    words_release(&w);
 }
 
 static const struct {
@@ -499,9 +458,6 @@ static const struct {
 
 LOOP_TEST(defaults_are_printed_as_options_are_given, N_ELEM(printed))
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     char *text[2], line[300];
 
     snprintf(line, sizeof line, "%s%s -defaults", printed[_i].kind,
@@ -510,10 +466,9 @@ LOOP_TEST(defaults_are_printed_as_options_are_given, N_ELEM(printed))
         size_t len;
         FILE *to = open_memstream(&text[i], &len);
 
-        ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_DEFAULTS);
+        ck_assert_int_eq(parse(line), SUBMIT_DEFAULTS);
         submit_options_defaults(&o, to);
         fclose(to);
-        words_release(&w);
         snprintf(line, sizeof line, "%s@%s -defaults", printed[_i].kind,
                  scratch_file("again", text[i]));
     }
@@ -536,22 +491,15 @@ static const struct {
 
 LOOP_TEST(options_of_points_are_told_in_headers, N_ELEM(point_options))
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     char text[200];
 
-    ck_assert_int_eq(parse(&o, &w, point_options[_i].line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(parse(point_options[_i].line), SUBMIT_RUN);
     pointspec_format(&o.points, text, sizeof text);
     ck_assert_str_eq(text, point_options[_i].text);
-    words_release(&w);
 }
 
 TEST(files_and_variables_open_up_in_place)
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     char line[600], inner[200];
 
     snprintf(inner, sizeof inner, "%s",
@@ -560,7 +508,7 @@ TEST(files_and_variables_open_up_in_place)
     setenv("CHECK_OPTIONS", "-ps 2 --workers=5", 1);
     snprintf(line, sizeof line, "@%s $CHECK_OPTIONS -o @a a.rad @b",
              scratch_file("outer", line));
-    ck_assert_msg(parse(&o, &w, line, &err) == SUBMIT_RUN, "%s", err.what);
+    ck_assert_msg(parse(line) == SUBMIT_RUN, "%s", err.what);
     ck_assert_int_eq(o.params.xres, 11);
     ck_assert_int_eq(o.params.yres, 12);
     ck_assert_int_eq(o.params.ambounce, 3);
@@ -571,48 +519,32 @@ TEST(files_and_variables_open_up_in_place)
     ck_assert_str_eq(o.output, "@a"); /* a value is no option */
     ck_assert_int_eq(o.nscenes, 2);
     ck_assert_str_eq(o.scenes[1], "@b"); /* nor is a scene */
-    words_release(&w);
 }
 
 TEST(expansion_that_cannot_be_is_an_error)
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     char line[300];
 
-    ck_assert_int_eq(parse(&o, &w, "@/nonexistent a.rad", &err), RAD_ENOINPUT);
-    words_release(&w);
+    ck_assert_int_eq(parse("@/nonexistent a.rad"), RAD_ENOINPUT);
     err.code = 0;
-    ck_assert_int_eq(parse(&o, &w, "$NO_SUCH_VARIABLE a.rad", &err),
-                     RAD_EUSAGE);
-    words_release(&w);
+    ck_assert_int_eq(parse("$NO_SUCH_VARIABLE a.rad"), RAD_EUSAGE);
     err.code = 0;
     snprintf(line, sizeof line, "@%s/self", dir);
     scratch_file("self", line);
-    ck_assert_int_eq(parse(&o, &w, line, &err), RAD_EUSAGE);
-    words_release(&w);
+    ck_assert_int_eq(parse(line), RAD_EUSAGE);
 }
 
 TEST(view_files_are_read_in_their_place)
 {
-    struct submit_options o;
-    struct words w;
-    struct rad_error err = { 0 };
     char line[300];
 
     snprintf(line, sizeof line, "-vp 9 9 9 -vf %s -vh 30 a.rad",
              scratch_file("v.vf", "rvu -vp 1 2 3 -vh 60\n"));
-    ck_assert_msg(parse(&o, &w, line, &err) == SUBMIT_RUN, "%s", err.what);
+    ck_assert_msg(parse(line) == SUBMIT_RUN, "%s", err.what);
     ck_assert_double_eq(o.view.vp[0], 1);
     ck_assert_double_eq(o.view.horiz, 30);
-    words_release(&w);
-    ck_assert_int_eq(parse(&o, &w, "-vf /nonexistent a.rad", &err),
-                     RAD_ENOINPUT);
-    words_release(&w);
-    err = (struct rad_error){ 0 };
+    ck_assert_int_eq(parse("-vf /nonexistent a.rad"), RAD_ENOINPUT);
     snprintf(line, sizeof line, "-vf %s a.rad",
              scratch_file("v.vf", "no view"));
-    ck_assert_int_eq(parse(&o, &w, line, &err), RAD_EDATA);
-    words_release(&w);
+    ck_assert_int_eq(parse(line), RAD_EDATA);
 }

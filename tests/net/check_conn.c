@@ -49,39 +49,38 @@ struct ends {
     bool close_in_message;
 };
 
+static struct ends e;
+
 static void
 on_message(void *arg, struct conn *c, const struct msg *m)
 {
-    struct ends *e = arg;
-
-    e->nmessages++;
-    e->last_type = m->type;
+    (void)arg;
+    e.nmessages++;
+    e.last_type = m->type;
     if (m->type == MSG_PING)
-        e->last_progress = m->ping.progress;
-    if (e->close_in_message) {
+        e.last_progress = m->ping.progress;
+    if (e.close_in_message) {
         conn_close(c);
-        e->conn = NULL;
+        e.conn = NULL;
     }
 }
 
 static void
 on_closed(void *arg, struct conn *c, const char *why)
 {
-    struct ends *e = arg;
-
+    (void)arg;
     (void)c;
-    e->nclosed++;
-    e->conn = NULL;
-    strncpy(e->why, why, sizeof e->why - 1);
+    e.nclosed++;
+    e.conn = NULL;
+    strncpy(e.why, why, sizeof e.why - 1);
 }
 
 static void
 on_written(void *arg, struct conn *c, size_t n)
 {
-    struct ends *e = arg;
-
+    (void)arg;
     (void)c;
-    e->written += n;
+    e.written += n;
 }
 
 static const struct conn_handler handler = { .message = on_message,
@@ -89,47 +88,53 @@ static const struct conn_handler handler = { .message = on_message,
                                              .written = on_written };
 
 static void
-open_ends_of(struct ends *e, enum msg_session session,
-             const struct conn_handler *owner)
+open_ends_of(enum msg_session session, const struct conn_handler *owner)
 {
     int fds[2];
     uv_stream_t *s;
 
-    memset(e, 0, sizeof *e);
-    log_set_level(LOG_LEVEL_ERR);
-    ck_assert_int_eq(uv_loop_init(&e->loop), 0);
     ck_assert_int_eq(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fds),
                      0);
-    s = conn_stream_new(&e->loop, true);
+    s = conn_stream_new(&e.loop, true);
     ck_assert_int_eq(uv_pipe_open((uv_pipe_t *)s, fds[0]), 0);
-    e->fd = fds[1];
-    e->conn = conn_new(s, NULL, session, "test", owner, e);
-    ck_assert_ptr_nonnull(e->conn);
+    e.fd = fds[1];
+    e.conn = conn_new(s, NULL, session, "test", owner, NULL);
+    ck_assert_ptr_nonnull(e.conn);
 }
 
 static void
-open_ends(struct ends *e, enum msg_session session)
+open_ends(enum msg_session session)
 {
-    open_ends_of(e, session, &handler);
+    open_ends_of(session, &handler);
 }
 
 static void
-close_ends(struct ends *e)
+set_up(void)
 {
-    conn_close(e->conn);
-    close(e->fd);
-    uv_run(&e->loop, UV_RUN_DEFAULT);
-    ck_assert_int_eq(uv_loop_close(&e->loop), 0);
+    e = (struct ends){ .fd = -1 };
+    log_set_level(LOG_LEVEL_ERR);
+    ck_assert_int_eq(uv_loop_init(&e.loop), 0);
 }
+
+static void
+tear_down(void)
+{
+    conn_close(e.conn);
+    close(e.fd);
+    uv_run(&e.loop, UV_RUN_DEFAULT);
+    ck_assert_int_eq(uv_loop_close(&e.loop), 0);
+}
+
+FIXTURE(set_up, tear_down)
 
 /* Run the loop until nothing happens any more at once. */
 static void
-run(struct ends *e)
+run(void)
 {
-    while (uv_run(&e->loop, UV_RUN_NOWAIT) && uv_backend_timeout(&e->loop) == 0)
+    while (uv_run(&e.loop, UV_RUN_NOWAIT) && uv_backend_timeout(&e.loop) == 0)
         ;
     for (int i = 0; i < 4; i++)
-        uv_run(&e->loop, UV_RUN_NOWAIT);
+        uv_run(&e.loop, UV_RUN_NOWAIT);
 }
 
 static void
@@ -145,25 +150,19 @@ pack_ping(struct wire_out *w, uint64_t progress)
 /* Else small messages wait for each other: 40 ms, as a rule. */
 TEST(messages_over_tcp_go_at_once)
 {
-    struct ends e;
     uv_stream_t *s;
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0), on = 0;
     socklen_t size = sizeof on;
     struct tls_ctx *ctx = tls_client();
     const uint8_t secret[TLS_SECRET] = { 1 };
 
-    memset(&e, 0, sizeof e);
     ck_assert_int_ge(fd, 0);
-    ck_assert_int_eq(uv_loop_init(&e.loop), 0);
     s = conn_stream_new(&e.loop, false);
     ck_assert_int_eq(uv_tcp_open((uv_tcp_t *)s, fd), 0);
     e.conn = conn_new(s, tls_dial(ctx, "user:a:k1", secret), MSG_AT_COORD_NEW,
-                      "test", &handler, &e);
+                      "test", &handler, NULL);
     ck_assert_int_eq(getsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, &size), 0);
     ck_assert_int_ne(on, 0);
-    conn_close(e.conn);
-    uv_run(&e.loop, UV_RUN_DEFAULT);
-    ck_assert_int_eq(uv_loop_close(&e.loop), 0);
     tls_ctx_free(ctx);
 }
 
@@ -235,7 +234,6 @@ static const struct {
 LOOP_TEST(key_updates_are_not_read_while_their_answers_are_not,
           N_ELEM(updating))
 {
-    struct ends e;
     struct tls_ctx *sctx = tls_server(find_key, NULL);
     SSL_CTX *cctx = SSL_CTX_new(TLS_client_method());
     struct tls *ours = tls_accept(sctx);
@@ -247,18 +245,15 @@ LOOP_TEST(key_updates_are_not_read_while_their_answers_are_not,
 
     SSL_CTX_set_psk_use_session_callback(cctx, offer_key);
     ssl = shake(cctx, ours);
-    memset(&e, 0, sizeof e);
-    log_set_level(LOG_LEVEL_ERR);
-    ck_assert_int_eq(uv_loop_init(&e.loop), 0);
     ck_assert_int_eq(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fds),
                      0);
     s = conn_stream_new(&e.loop, true);
     ck_assert_int_eq(uv_pipe_open((uv_pipe_t *)s, fds[0]), 0);
     e.fd = fds[1];
-    e.conn = conn_new(s, ours, updating[_i].session, "test", &handler, &e);
+    e.conn = conn_new(s, ours, updating[_i].session, "test", &handler, NULL);
     if (updating[_i].session != MSG_AT_COORD_NEW)
         conn_live(e.conn, false);
-    for (int still = 0; still < 20 && sent < 3 << 20; run(&e)) {
+    for (int still = 0; still < 20 && sent < 3 << 20; run()) {
         for (int i = 0; left == 0 && i < 200; i++) {
             SSL_key_update(ssl, SSL_KEY_UPDATE_REQUESTED);
             ck_assert_int_eq(SSL_do_handshake(ssl), 1);
@@ -278,23 +273,21 @@ LOOP_TEST(key_updates_are_not_read_while_their_answers_are_not,
     ck_assert_int_eq(!e.conn && strcmp(e.why, CONN_BROKE_PROTOCOL) == 0,
                      updating[_i].ends);
     SSL_free(ssl);
-    close_ends(&e);
     SSL_CTX_free(cctx);
     tls_ctx_free(sctx);
 }
 
 TEST(ping_is_answered_however_it_is_cut)
 {
-    struct ends e;
     struct wire_out w;
     uint8_t back[64];
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     pack_ping(&w, 12345);
     for (size_t i = 0; i < w.len; i++) {
         ck_assert_int_eq(e.nmessages, 0);
         ck_assert_int_eq(write(e.fd, w.buf + i, 1), 1);
-        run(&e);
+        run();
     }
     ck_assert_int_eq(e.nmessages, 1);
     ck_assert_uint_eq(e.last_progress, 12345);
@@ -304,7 +297,6 @@ TEST(ping_is_answered_however_it_is_cut)
     ck_assert_uint_eq(back[11], 7);
     ck_assert_uint_eq(e.written, MSG_HEADER + PING_BYTES);
     wire_out_release(&w);
-    close_ends(&e);
 }
 
 /* An old peer is not told what it has no message for; it stays. */
@@ -312,54 +304,50 @@ TEST(what_an_old_peer_cannot_hear_is_not_said)
 {
     struct msg key = { .type = MSG_KEY, .key = { MSG_KEY_LIST, "", 0 } };
     struct wire_out w;
-    struct ends e;
 
-    open_ends(&e, MSG_AT_CLIENT);
+    open_ends(MSG_AT_CLIENT);
 
     conn_set_version(e.conn, msg_since(MSG_KEY) - 1);
     wire_out_init(&w, MSG_FRAME_MAX);
     ck_assert_int_eq(msg_pack(&w, &key), 0);
     ck_assert(!conn_send(e.conn, &key));
     ck_assert(!conn_send_frame(e.conn, w.buf, w.len));
-    run(&e);
+    run();
     ck_assert_int_eq(e.nclosed, 0);
     ck_assert_uint_eq(conn_queued(e.conn), 0);
     ck_assert_uint_eq(e.written, 0);
     wire_out_release(&w);
-    close_ends(&e);
 }
 
 TEST(messages_in_one_piece_all_arrive)
 {
-    struct ends e;
     struct wire_out w;
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     pack_ping(&w, 1);
     for (int i = 0; i < 100; i++)
         ck_assert_int_eq(write(e.fd, w.buf, w.len), (ssize_t)w.len);
-    run(&e);
+    run();
     ck_assert_int_eq(e.nmessages, 100);
     wire_out_release(&w);
-    close_ends(&e);
 }
 
 #ifdef WITH_MALLOC
 /* Let the other end ping, and answer while memory is out. */
 static void
-ping_without_memory(struct ends *e, enum msg_session session, bool *out)
+ping_without_memory(enum msg_session session, bool *out)
 {
     struct wire_out frame;
 
-    open_ends(e, session);
-    conn_live(e->conn, false);
+    open_ends(session);
+    conn_live(e.conn, false);
     pack_ping(&frame, 1);
-    ck_assert_int_eq(write(e->fd, frame.buf, frame.len), (ssize_t)frame.len);
+    ck_assert_int_eq(write(e.fd, frame.buf, frame.len), (ssize_t)frame.len);
     *out = true;
-    run(e);
+    run();
     *out = false;
-    ck_assert_int_eq(e->nclosed, 1);
-    ck_assert_int_eq(e->nmessages, 0);
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_int_eq(e.nmessages, 0);
     wire_out_release(&frame);
 }
 
@@ -368,10 +356,9 @@ LOOP_TEST(a_message_that_has_no_memory_ends_it, 3)
 {
     struct msg m = { .type = MSG_PONG };
     struct wire_out frame;
-    struct ends e;
     bool sent;
 
-    open_ends(&e, MSG_AT_PARENT);
+    open_ends(MSG_AT_PARENT);
     conn_live(e.conn, false);
     pack_ping(&frame, 1);
     no_malloc = _i != 1;
@@ -383,56 +370,44 @@ LOOP_TEST(a_message_that_has_no_memory_ends_it, 3)
     ck_assert_int_eq(e.nclosed, 1);
     ck_assert_ptr_nonnull(strstr(e.why, "memory"));
     wire_out_release(&frame);
-    close_ends(&e);
 }
 
 /* Its owner hears of the end, and nothing after that. */
 TEST(a_ping_that_has_no_memory_for_its_answer_is_not_told)
 {
-    struct ends e;
-
-    ping_without_memory(&e, MSG_AT_PEER, &no_malloc);
-    close_ends(&e);
+    ping_without_memory(MSG_AT_PEER, &no_malloc);
 }
 
 /* Which is no fault of the other side's. */
 TEST(a_message_that_there_is_no_memory_to_read_ends_it)
 {
-    struct ends e;
-
-    ping_without_memory(&e, MSG_AT_PARENT, &no_realloc);
+    ping_without_memory(MSG_AT_PARENT, &no_realloc);
     ck_assert_ptr_nonnull(strstr(e.why, "memory"));
-    close_ends(&e);
 }
 #endif
 
 TEST(owner_may_close_while_it_is_called)
 {
-    struct ends e;
     struct wire_out w;
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     e.close_in_message = true;
     pack_ping(&w, 1);
     for (int i = 0; i < 3; i++)
         ck_assert_int_eq(write(e.fd, w.buf, w.len), (ssize_t)w.len);
-    run(&e);
+    run();
     ck_assert_int_eq(e.nmessages, 1);
     ck_assert_int_eq(e.nclosed, 0);
     wire_out_release(&w);
-    close_ends(&e);
 }
 
 TEST(end_of_stream_is_told_once)
 {
-    struct ends e;
-
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     shutdown(e.fd, SHUT_WR);
-    run(&e);
+    run();
     ck_assert_int_eq(e.nclosed, 1);
     ck_assert_str_eq(e.why, "closed by peer");
-    close_ends(&e);
 }
 
 enum { SHORT_MS = 40 };
@@ -446,46 +421,42 @@ static const struct conn_handler hasty = { .message = on_message,
  * that does not end are no sign of life. */
 LOOP_TEST(who_is_slow_to_introduce_itself_is_let_go, 2)
 {
-    struct ends e;
     uint64_t start = uv_hrtime();
     ssize_t n = 0;
 
-    open_ends_of(&e, MSG_AT_COORD_NEW, &hasty);
+    open_ends_of(MSG_AT_COORD_NEW, &hasty);
     for (int i = 0; e.nclosed == 0 && i < 20000; i++) {
         if (_i && n < 10)
             n += write(e.fd, &"RADD\0\1\0\0\0\0"[n], 1);
-        run(&e);
+        run();
         usleep(500);
     }
     ck_assert_int_eq(e.nclosed, 1);
     ck_assert_str_eq(e.why, "took too long");
     ck_assert_uint_ge(uv_hrtime() - start, (SHORT_MS - 2) * 1000000u);
-    close_ends(&e);
 }
 
 /* Once it has, it may be silent for longer than that. */
 TEST(who_has_introduced_itself_stays)
 {
-    struct ends e;
     uint64_t until = uv_hrtime() + 3 * SHORT_MS * 1000000u;
 
-    open_ends_of(&e, MSG_AT_COORD_USER, &hasty);
+    open_ends_of(MSG_AT_COORD_USER, &hasty);
     conn_live(e.conn, true);
     while (uv_hrtime() < until) {
-        run(&e);
+        run();
         usleep(500);
     }
     ck_assert_int_eq(e.nclosed, 0);
-    close_ends(&e);
 }
 
 /* Let the time between two PINGs pass, n times. */
 static void
-pass_pings(struct ends *e, int n)
+pass_pings(int n)
 {
-    for (int i = 0; i < n && e->conn; i++) {
-        e->conn->timer.timer_cb(&e->conn->timer);
-        run(e);
+    for (int i = 0; i < n && e.conn; i++) {
+        e.conn->timer.timer_cb(&e.conn->timer);
+        run();
     }
 }
 
@@ -494,49 +465,43 @@ TEST(who_answers_no_ping_is_let_go)
 {
     enum { PINGS = CONN_DEAD_MS / CONN_PING_MS };
     static uint8_t pings[2 * PINGS * (MSG_HEADER + PING_BYTES) + 1];
-    struct ends e;
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     conn_live(e.conn, true);
-    pass_pings(&e, PINGS);
+    pass_pings(PINGS);
     ck_assert_int_eq(write(e.fd, "R", 1), 1);
-    run(&e);
-    pass_pings(&e, PINGS);
+    run();
+    pass_pings(PINGS);
     ck_assert_int_eq(e.nclosed, 0);
     ck_assert_int_eq(read(e.fd, pings, sizeof pings), sizeof pings - 1);
-    pass_pings(&e, 1);
+    pass_pings(1);
     ck_assert_int_eq(e.nclosed, 1);
     ck_assert_str_eq(e.why, "silent for 15 s");
-    close_ends(&e);
 }
 
 TEST(who_gets_no_ping_may_be_silent)
 {
-    struct ends e;
     uint8_t byte;
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     conn_live(e.conn, false);
-    pass_pings(&e, 100);
+    pass_pings(100);
     ck_assert_int_eq(e.nclosed, 0);
     ck_assert_int_eq(read(e.fd, &byte, 1), -1);
-    close_ends(&e);
 }
 
 TEST(message_that_may_not_come_here_ends_it)
 {
-    struct ends e;
     struct wire_out w;
 
-    open_ends(&e, MSG_AT_COORD_NEW);
+    open_ends(MSG_AT_COORD_NEW);
     pack_ping(&w, 1);
     ck_assert_int_eq(write(e.fd, w.buf, w.len), (ssize_t)w.len);
-    run(&e);
+    run();
     ck_assert_int_eq(e.nmessages, 0);
     ck_assert_int_eq(e.nclosed, 1);
     ck_assert_str_eq(e.why, "protocol error");
     wire_out_release(&w);
-    close_ends(&e);
 }
 
 /* A simple generator: what matters is that it is the same each time. */
@@ -549,11 +514,10 @@ next_random(uint32_t *state)
 
 LOOP_TEST(random_bytes_only_end_it, 256)
 {
-    struct ends e;
     uint8_t bytes[4096];
     uint32_t state = (uint32_t)_i;
 
-    open_ends(&e, (enum msg_session)(_i % MSG_NSESSION));
+    open_ends((enum msg_session)(_i % MSG_NSESSION));
     for (size_t i = 0; i < sizeof bytes; i++)
         bytes[i] = (uint8_t)next_random(&state);
     if (_i & 64) /* the right magic, random behind it */
@@ -561,13 +525,12 @@ LOOP_TEST(random_bytes_only_end_it, 256)
     if (_i & 128)
         bytes[4] = bytes[6] = bytes[7] = bytes[12] = bytes[13] = 0;
     ck_assert_int_gt(write(e.fd, bytes, sizeof bytes), 0);
-    run(&e);
+    run();
     if (e.nclosed == 0) { /* a header by chance: the rest never comes */
         shutdown(e.fd, SHUT_WR);
-        run(&e);
+        run();
     }
     ck_assert_int_eq(e.nclosed, 1);
-    close_ends(&e);
 }
 
 TEST(what_waits_is_counted_and_goes_out)
@@ -575,11 +538,10 @@ TEST(what_waits_is_counted_and_goes_out)
     static uint8_t payload[100000];
     struct msg m = { .type = MSG_AMBIENT };
     struct wire_out w;
-    struct ends e;
     uint8_t sink[65536];
     size_t got = 0, sent;
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     m.ambient.count = 1;
     m.ambient.data = payload;
     m.ambient.len = sizeof payload;
@@ -597,11 +559,10 @@ TEST(what_waits_is_counted_and_goes_out)
             got += (size_t)n;
         else
             ck_assert(n < 0 && errno == EAGAIN);
-        run(&e);
+        run();
     }
     ck_assert_uint_eq(conn_queued(e.conn), 0);
     ck_assert_uint_eq(e.written, sent);
-    close_ends(&e);
 }
 
 /* So many as the socket takes are written at once, the others when it has room,
@@ -611,15 +572,14 @@ TEST(short_messages_go_out_in_order_and_are_counted)
     enum { MANY = 40000, SIZE = MSG_HEADER + PING_BYTES };
     static uint8_t got[MANY * SIZE];
     struct msg m = { .type = MSG_PING };
-    struct ends e;
     size_t n = 0;
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     for (uint32_t i = 0; i < MANY; i++) {
         m.request = i;
         ck_assert(conn_send(e.conn, &m));
         if (i % 97 == 0)
-            run(&e);
+            run();
     }
     ck_assert_uint_gt(conn_queued(e.conn), 0);
     ck_assert_uint_lt(e.written, sizeof got);
@@ -627,7 +587,7 @@ TEST(short_messages_go_out_in_order_and_are_counted)
         ssize_t more = read(e.fd, got + n, sizeof got - n);
 
         n += more > 0 ? (size_t)more : 0;
-        run(&e);
+        run();
     }
     for (uint32_t i = 0; i < MANY; i++) {
         const uint8_t *r = got + i * SIZE + 8;
@@ -636,17 +596,15 @@ TEST(short_messages_go_out_in_order_and_are_counted)
     }
     ck_assert_uint_eq(conn_queued(e.conn), 0);
     ck_assert_uint_eq(e.written, sizeof got);
-    close_ends(&e);
 }
 
 /* Though nothing else happens that could wake the loop. */
 TEST(what_is_left_at_the_end_goes_out_at_once)
 {
     struct msg m = { .type = MSG_PING };
-    struct ends e;
     uint8_t got[64];
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     ck_assert(conn_send(e.conn, &m));
     conn_finish(e.conn);
     e.conn = NULL;
@@ -654,19 +612,18 @@ TEST(what_is_left_at_the_end_goes_out_at_once)
     ck_assert_int_eq(read(e.fd, got, sizeof got), MSG_HEADER + PING_BYTES);
     ck_assert_int_eq(read(e.fd, got, sizeof got), 0);
     ck_assert_int_eq(uv_loop_alive(&e.loop), 0);
-    close_ends(&e);
 }
 
 /* Read what waits. */
 static void
-drain(struct ends *e)
+drain(void)
 {
     static uint8_t sink[1 << 18];
 
-    while (conn_queued(e->conn) > 0) {
-        if (read(e->fd, sink, sizeof sink) < 0)
+    while (conn_queued(e.conn) > 0) {
+        if (read(e.fd, sink, sizeof sink) < 0)
             ck_assert_int_eq(errno, EAGAIN);
-        run(e);
+        run();
     }
 }
 
@@ -680,10 +637,9 @@ LOOP_TEST(a_user_that_does_not_read_gets_no_more_records, N_ELEM(users))
                            .records = { job, 1, data, sizeof data } };
     struct msg ping = { .type = MSG_PING };
     struct wire_out w;
-    struct ends e;
     int sent = 0;
 
-    open_ends(&e, users[_i]);
+    open_ends(users[_i]);
     wire_out_init(&w, MSG_FRAME_MAX);
     ck_assert_int_eq(msg_pack(&w, &records), 0);
     while (sent < 1000 && conn_send_frame(e.conn, w.buf, w.len))
@@ -692,32 +648,29 @@ LOOP_TEST(a_user_that_does_not_read_gets_no_more_records, N_ELEM(users))
     ck_assert_uint_le(conn_queued(e.conn), (8u << 20) + w.len);
     ck_assert(!conn_send_frame(e.conn, w.buf, w.len));
     ck_assert(conn_send(e.conn, &ping)); /* all else it gets */
-    drain(&e);
+    drain();
     ck_assert(conn_send_frame(e.conn, w.buf, w.len));
     ck_assert_int_eq(e.nclosed, 0);
     wire_out_release(&w);
-    close_ends(&e);
 }
 
 TEST(finish_sends_what_waits_and_says_nothing)
 {
     struct msg m = { .type = MSG_REFUSE };
-    struct ends e;
     uint8_t back[200];
     ssize_t n;
 
-    open_ends(&e, MSG_AT_COORD_NEW);
+    open_ends(MSG_AT_COORD_NEW);
     m.refuse.status = 76;
     m.refuse.text = "no";
     ck_assert(conn_send(e.conn, &m));
     conn_finish(e.conn);
     e.conn = NULL;
-    run(&e);
+    run();
     n = read(e.fd, back, sizeof back);
     ck_assert_int_gt(n, MSG_HEADER);
     ck_assert_int_eq(read(e.fd, back, sizeof back), 0);
     ck_assert_int_eq(e.nclosed, 0);
-    close_ends(&e);
 }
 
 /* Its owner may be gone: nothing is said of one that does not read the rest. */
@@ -726,9 +679,8 @@ TEST(finish_ends_in_silence_though_nobody_reads)
     static uint8_t payload[100000];
     struct msg m = { .type = MSG_AMBIENT };
     struct conn *c;
-    struct ends e;
 
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     m.ambient.count = 1;
     m.ambient.data = payload;
     m.ambient.len = sizeof payload;
@@ -737,32 +689,29 @@ TEST(finish_ends_in_silence_though_nobody_reads)
     c = e.conn;
     e.conn = NULL;
     conn_finish(c);
-    run(&e);
+    run();
     ck_assert_int_eq(c->state, CONN_FINISHING);
     c->timer.timer_cb(&c->timer);
     ck_assert_int_eq(c->state, CONN_CLOSED);
     ck_assert_int_eq(e.nclosed, 0);
-    close_ends(&e);
 }
 
 TEST(peer_that_goes_while_we_send_is_no_crash)
 {
     static uint8_t payload[100000];
     struct msg m = { .type = MSG_AMBIENT };
-    struct ends e;
 
     signal(SIGPIPE, SIG_IGN);
-    open_ends(&e, MSG_AT_PEER);
+    open_ends(MSG_AT_PEER);
     m.ambient.count = 1;
     m.ambient.data = payload;
     m.ambient.len = sizeof payload;
     for (int i = 0; i < 20; i++)
         conn_send(e.conn, &m);
     close(e.fd);
-    run(&e);
+    run();
     ck_assert_int_eq(e.nclosed, 1);
     e.fd = dup(0);
-    close_ends(&e);
 }
 
 /* A refusal that was said before the connection was closed is heard, although
@@ -799,10 +748,9 @@ LOOP_TEST(what_was_said_before_the_end_is_heard_by_who_writes, 2)
     struct msg m = { .type = MSG_AMBIENT };
     struct msg refuse = { .type = MSG_REFUSE };
     struct wire_out w;
-    struct ends e;
 
     signal(SIGPIPE, SIG_IGN);
-    open_ends_of(&e, MSG_AT_DIALLER, &keeper);
+    open_ends_of(MSG_AT_DIALLER, &keeper);
     m.ambient.count = 1;
     m.ambient.data = payload;
     m.ambient.len = sizeof payload;
@@ -815,7 +763,7 @@ LOOP_TEST(what_was_said_before_the_end_is_heard_by_who_writes, 2)
     conn_pause(e.conn, _i == 1); /* whoever reads nothing hears nothing */
     close(e.fd);
     ck_assert(conn_send(e.conn, &m));
-    run(&e);
+    run();
     ck_assert_int_eq(e.nclosed, 1);
     ck_assert_int_eq(kept_code, UV_EPIPE);
     ck_assert_int_eq(e.nmessages, _i == 0 ? 1 : 0);
@@ -827,22 +775,18 @@ LOOP_TEST(what_was_said_before_the_end_is_heard_by_who_writes, 2)
     free(kept_bytes);
     kept_bytes = NULL;
     e.fd = dup(0);
-    close_ends(&e);
 }
 
 /* Why it ended is told by code, and for a message that is malformed with the
  * peer's name. */
 LOOP_TEST(why_it_ended_has_a_code, 2)
 {
-    struct ends e;
-
-    open_ends_of(&e, MSG_AT_PEER, &keeper);
+    open_ends_of(MSG_AT_PEER, &keeper);
     if (_i == 0)
         ck_assert_int_eq(write(e.fd, "this is not the protocol", 24), 24);
     else
         shutdown(e.fd, SHUT_WR);
-    run(&e);
+    run();
     ck_assert_int_eq(e.nclosed, 1);
     ck_assert_int_eq(kept_code, _i == 0 ? RAD_EPROTO : UV_EOF);
-    close_ends(&e);
 }
