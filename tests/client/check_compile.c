@@ -18,6 +18,8 @@
 
 #define FONT "65 4\n\t40 0 220 60 220 255 40 255\n"
 
+static struct compiled c;
+
 static void
 set_up(void)
 {
@@ -25,7 +27,14 @@ set_up(void)
     unsetenv("RAYPATH");
 }
 
-FIXTURE(set_up, scratch_remove)
+static void
+tear_down(void)
+{
+    compile_release(&c);
+    scratch_remove();
+}
+
+FIXTURE(set_up, tear_down)
 
 #define FROM(files, n) (&(struct compile_from){ (files), (n), false })
 
@@ -58,7 +67,6 @@ message_of(const char *text)
 {
     static char message[600];
     const char *file = in_dir("a.rad");
-    struct compiled c;
     struct rad_error err = { 0 };
     char *p;
 
@@ -80,7 +88,6 @@ message_of(const char *text)
 TEST(commands_run_in_their_files_folder)
 {
     const char *file;
-    struct compiled c;
 
     mkdir(in_dir("sub"), 0700);
     put_file("sub/part.rad", SPHERE "!cat ./more.rad | \\\n cat\n");
@@ -90,7 +97,6 @@ TEST(commands_run_in_their_files_folder)
     ck_assert_int_eq(compile_read(&c, FROM(&file, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 3);
     ck_assert_int_eq(c.scene->objects[1].type, RAD_BUBBLE);
-    compile_release(&c);
 }
 
 /* As Radiance runs them there, for whoever writes names from a project's folder
@@ -99,7 +105,6 @@ TEST(commands_run_in_our_folder_for_files_that_are_only_there)
 {
     char *here = getcwd(NULL, 0);
     const char *file = "sub/a.rad";
-    struct compiled c;
 
     mkdir(in_dir("sub"), 0700);
     mkdir(in_dir("parts"), 0700);
@@ -125,13 +130,11 @@ TEST(much_output_is_read)
         "!i=0; while [ $i -lt 4000 ]; do echo 'void sphere a.long.name.for.it"
         " 0 0 4 123.456 234.567 345.678 '$i.5; i=$((i+1)); done\n";
     const char *file = in_dir("a.rad");
-    struct compiled c;
 
     put_file("a.rad", text);
     ck_assert_int_eq(compile_read(&c, FROM(&file, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 4000);
     ck_assert(c.scene->objects[3999].reals[3] == 3999.5);
-    compile_release(&c);
 }
 
 static const struct {
@@ -232,7 +235,7 @@ put_text_scene(const char *text_file)
 
 /* Compile dir/a.rad into dir/out; its manifest, to be freed. */
 static char *
-manifest_of(struct compiled *c)
+manifest_of(void)
 {
     const char *file = in_dir("a.rad");
     struct rad_error err = { 0 };
@@ -240,16 +243,15 @@ manifest_of(struct compiled *c)
     char *text;
 
     mkdir(in_dir("out"), 0700);
-    if (compile_scene(c, FROM(&file, 1), in_dir("out"), NULL, &err))
+    if (compile_scene(&c, FROM(&file, 1), in_dir("out"), NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
-    text = rad_bundle_format(&c->bundle, &len);
+    text = rad_bundle_format(&c.bundle, &len);
     ck_assert_ptr_nonnull(text);
     return text;
 }
 
 TEST(bundle_has_all_that_is_needed)
 {
-    struct compiled c;
     struct rad_bundle_dir where = { &c.bundle, in_dir("out") };
     struct rad_files files = rad_bundle_files(&where);
     struct rad_scene *back;
@@ -260,7 +262,7 @@ TEST(bundle_has_all_that_is_needed)
     put_file("f.fnt", FONT);
     put_file("page.txt", "a page");
     put_text_scene("page.txt");
-    manifest = manifest_of(&c);
+    manifest = manifest_of();
     ck_assert_int_eq(c.bundle.n, 3);
     bytes = files.read(files.arg, "page.txt", &len, NULL);
     ck_assert_str_eq((char *)bytes, "a page");
@@ -275,24 +277,22 @@ TEST(bundle_has_all_that_is_needed)
     ck_assert_int_eq(back->nobjects, 3);
     rad_scene_free(back);
     free(manifest);
-    compile_release(&c);
 }
 
 TEST(equal_scenes_have_equal_manifests)
 {
-    struct compiled c;
     char *here, *there, cwd[PATH_MAX];
 
     put_file("f.fnt", FONT);
     put_file("page.txt", "a page");
     put_text_scene("page.txt");
-    here = manifest_of(&c);
+    here = manifest_of();
     compile_release(&c);
     ck_assert_ptr_nonnull(getcwd(cwd, sizeof cwd));
     ck_assert_int_eq(chdir("/"), 0);
     put_file("a.rad", "");
     put_text_scene("  page.txt # with a comment\n");
-    there = manifest_of(&c);
+    there = manifest_of();
     compile_release(&c);
     ck_assert_int_eq(chdir(cwd), 0);
     ck_assert_str_eq(here, there);
@@ -375,13 +375,11 @@ TEST(raypath_is_searched_in_order)
 TEST(files_make_one_scene)
 {
     const char *files[2] = { in_dir("m.rad"), in_dir("s.rad") };
-    struct compiled c;
 
     put_file("m.rad", "void plastic m 0 0 5 .5 .5 .5 0 0\n");
     put_file("s.rad", "m sphere s 0 0 4 0 0 0 1\n");
     ck_assert_int_eq(compile_read(&c, FROM(files, 2), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->objects[1].modifier, 0);
-    compile_release(&c);
 }
 
 /* Freeze dir/a.rad to dir/a.oct. */
@@ -389,7 +387,6 @@ static void
 freeze(void)
 {
     const char *file = in_dir("a.rad");
-    struct compiled c;
     struct rad_fd to = { -1, "a.oct" };
     struct rad_sink out = rad_fd_sink(&to);
 
@@ -405,7 +402,6 @@ freeze(void)
 TEST(an_octree_is_a_scene_whatever_its_name)
 {
     const char *files[2];
-    struct compiled c;
     struct rad_error err = { 0 };
 
     put_file("a.rad", "void plastic m 0 0 5 .5 .5 .5 0 0\nm "
@@ -421,19 +417,16 @@ TEST(an_octree_is_a_scene_whatever_its_name)
     ck_assert_int_eq(rename(files[0], files[1]), 0);
     ck_assert_int_eq(compile_read(&c, FROM(files + 1, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 2);
-    compile_release(&c);
 }
 
 TEST(a_scene_comes_from_standard_input)
 {
     const char *file = "-";
-    struct compiled c;
 
     put_file("a.rad", "!echo " SPHERE SPHERE);
     ck_assert_ptr_nonnull(freopen(in_dir("a.rad"), "r", stdin));
     ck_assert_int_eq(compile_read(&c, FROM(&file, 1), NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 2);
-    compile_release(&c);
 }
 
 static void
@@ -447,7 +440,6 @@ TEST(every_error_is_told_once)
 {
     const char *files[3] = { in_dir("none.rad"), in_dir("a.rad"),
                              in_dir("b.rad") };
-    struct compiled c;
     struct rad_error err = { 0 };
     int n = 0;
 
@@ -493,20 +485,17 @@ LOOP_TEST(known_scenes_compile, 4)
     }
 
     const char *file = path;
-    struct compiled c;
     struct rad_error err = { 0 };
 
     if (compile_scene(&c, FROM(&file, 1), dir, NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     ck_assert_int_eq(c.scene->nobjects, scenes[_i].objects);
-    compile_release(&c);
 }
 
 TEST(the_example_compiles)
 {
     const char *top = getenv("top_srcdir"), *file;
     char path[PATH_MAX];
-    struct compiled c;
     struct rad_error err = { 0 };
 
     snprintf(path, sizeof path, "%s/examples/reading-room/room.rad",
@@ -515,5 +504,4 @@ TEST(the_example_compiles)
     if (compile_read(&c, FROM(&file, 1), NULL, NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     ck_assert_int_gt(c.scene->nobjects, 100);
-    compile_release(&c);
 }

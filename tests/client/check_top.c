@@ -31,15 +31,30 @@ put(void *arg, int line, enum top_look look, const char *text)
     p->look[line] = look;
 }
 
+static struct top t;
 static struct picture picture;
 
+static void
+set_up(void)
+{
+    top_init(&t);
+}
+
+static void
+tear_down(void)
+{
+    top_release(&t);
+}
+
+FIXTURE(set_up, tear_down)
+
 static const struct picture *
-draw(const struct top *t, int columns, int lines)
+draw(int columns, int lines)
 {
     memset(&picture, 0, sizeof picture);
     picture.columns = columns;
     picture.lines = lines;
-    top_draw(t, columns, lines, put, &picture);
+    top_draw(&t, columns, lines, put, &picture);
     return &picture;
 }
 
@@ -106,28 +121,26 @@ parse_with(const char *fmt, int rays)
 }
 
 static void
-take(struct top *t, double s, int rays)
+take(double s, int rays)
 {
-    top_take(t, s, parse(status), parse_with(workers, rays),
-             parse_with(jobs, rays), t->job[0] ? parse(stats) : NULL);
+    top_take(&t, s, parse(status), parse_with(workers, rays),
+             parse_with(jobs, rays), t.job[0] ? parse(stats) : NULL);
 }
 
 static void
-type(struct top *t, const char *keys)
+type(const char *keys)
 {
     for (; *keys; keys++)
-        ck_assert_int_ne(top_key(t, *keys), TOP_QUIT);
+        ck_assert_int_ne(top_key(&t, *keys), TOP_QUIT);
 }
 
 TEST(lists_show_workers_and_jobs)
 {
-    struct top t;
     const struct picture *p;
 
-    top_init(&t);
-    take(&t, 1, 1000);
-    take(&t, 3, 2001000);
-    p = draw(&t, 120, 24);
+    take(1, 1000);
+    take(3, 2001000);
+    p = draw(120, 24);
     ck_assert_str_eq(
         p->line[0], "radcoord 1   2 workers, 12 threads   3 jobs   1 M rays/s");
     ck_assert_int_ge(line_with(p, "WORKER "), 0);
@@ -147,7 +160,6 @@ TEST(lists_show_workers_and_jobs)
     ck_assert_int_lt(line_with(p, "atrium"), line_with(p, "room"));
     ck_assert_int_lt(line_with(p, "room"), line_with(p, "stairs"));
     ck_assert_int_eq(p->look[line_with(p, "atrium")], TOP_CHOSEN);
-    top_release(&t);
 }
 
 /* However many newer jobs are over, and whatever the priority of these. */
@@ -158,15 +170,12 @@ TEST(jobs_that_are_over_come_last)
         "\"priority\":0},{\"job\":\"dd\",\"name\":\"older\","
         "\"state\":\"failed\",\"priority\":9},{\"job\":\"aa\","
         "\"name\":\"room\",\"state\":\"paused\",\"priority\":0}]";
-    struct top t;
     const struct picture *p;
 
-    top_init(&t);
     top_take(&t, 1, parse(status), parse_with(workers, 1), parse(more), NULL);
-    p = draw(&t, 120, 24);
+    p = draw(120, 24);
     ck_assert_int_lt(line_with(p, "room"), line_with(p, "newest"));
     ck_assert_int_lt(line_with(p, "newest"), line_with(p, "older"));
-    top_release(&t);
 }
 
 /* It ended after the open jobs were told, and before the others were. */
@@ -176,86 +185,74 @@ TEST(a_job_that_ends_meanwhile_is_listed_once)
         "[{\"job\":\"aa\",\"name\":\"room\",\"state\":\"running\"},"
         "{\"job\":\"bb\",\"name\":\"hall\",\"state\":\"running\"},"
         "{\"job\":\"aa\",\"name\":\"room\",\"state\":\"done\"}]";
-    struct top t;
     const struct picture *p;
     int at;
 
-    top_init(&t);
     top_take(&t, 1, parse(status), parse_with(workers, 1), parse(twice), NULL);
-    p = draw(&t, 120, 24);
+    p = draw(120, 24);
     at = line_with(p, "room");
     ck_assert_int_gt(at, line_with(p, "hall"));
     ck_assert_ptr_nonnull(strstr(p->line[at], "done"));
     ck_assert_ptr_null(strstr(p->line[line_with(p, "hall") - 1], "room"));
-    top_release(&t);
 }
 
 TEST(narrow_terminals_leave_out_columns)
 {
-    struct top t;
     const struct picture *p;
 
-    top_init(&t);
-    take(&t, 1, 1000);
+    take(1, 1000);
     for (int columns = 1; columns <= 200; columns++)
         for (int lines = 1; lines < 40; lines += 3)
-            draw(&t, columns, lines); /* put() checks them */
-    p = draw(&t, 40, 24);
+            draw(columns, lines); /* put() checks them */
+    p = draw(40, 24);
     ck_assert_int_ge(line_with(p, "STATE"), 0);
     ck_assert_int_ge(line_with(p, "DONE"), 0);
     ck_assert_int_lt(line_with(p, "OWNER"), 0);
     ck_assert_int_lt(line_with(p, "ADDRESS"), 0);
-    p = draw(&t, 40, 6); /* the list that keys are for, alone */
+    p = draw(40, 6); /* the list that keys are for, alone */
     ck_assert_int_ge(line_with(p, "JOB"), 0);
     ck_assert_int_lt(line_with(p, "WORKER"), 0);
-    top_release(&t);
 }
 
 TEST(keys_sort_and_filter)
 {
-    struct top t;
     const struct picture *p;
 
-    top_init(&t);
-    take(&t, 1, 1000);
-    type(&t, "ss"); /* by name */
-    p = draw(&t, 120, 24);
+    take(1, 1000);
+    type("ss"); /* by name */
+    p = draw(120, 24);
     ck_assert_int_lt(line_with(p, "atrium"), line_with(p, "room"));
     ck_assert_int_ge(line_with(p, "NAMEv"), 0);
-    type(&t, "r");
-    p = draw(&t, 120, 24);
+    type("r");
+    p = draw(120, 24);
     ck_assert_int_gt(line_with(p, "atrium"), line_with(p, "stairs"));
     ck_assert_int_ge(line_with(p, "NAME^"), 0);
-    type(&t, "/bobq");
-    p = draw(&t, 120, 24);
+    type("/bobq");
+    p = draw(120, 24);
     ck_assert_int_ge(line_with(p, "filter: bobq_"), 0);
     ck_assert_int_lt(line_with(p, "stairs"), 0);
     top_key(&t, TOP_KEY_ERASE);
     top_key(&t, TOP_KEY_ENTER);
-    p = draw(&t, 120, 24);
+    p = draw(120, 24);
     ck_assert_int_ge(line_with(p, "stairs"), 0);
     ck_assert_int_lt(line_with(p, "room"), 0);
     ck_assert_str_eq(top_name(TOP_JOBS, top_chosen(&t, TOP_JOBS)),
                      "cc000000000000000000000000000000");
     ck_assert_int_eq(top_key(&t, TOP_KEY_BACK), TOP_NOTHING);
-    ck_assert_int_ge(line_with(draw(&t, 120, 24), "room"), 0);
+    ck_assert_int_ge(line_with(draw(120, 24), "room"), 0);
     ck_assert_int_eq(top_key(&t, 'q'), TOP_QUIT);
-    top_release(&t);
 }
 
 TEST(what_changes_something_is_asked_first)
 {
-    struct top t;
-
-    top_init(&t);
-    take(&t, 1, 1000);
+    take(1, 1000);
     ck_assert_int_eq(top_key(&t, TOP_KEY_DOWN), TOP_NOTHING);
     ck_assert_int_eq(top_key(&t, 'c'), TOP_NOTHING);
-    ck_assert_int_ge(line_with(draw(&t, 80, 24), "cancel job aa0000"), 0);
+    ck_assert_int_ge(line_with(draw(80, 24), "cancel job aa0000"), 0);
     ck_assert_int_eq(top_key(&t, 'n'), TOP_NOTHING);
     ck_assert_int_eq(top_key(&t, 'y'), TOP_NOTHING); /* nothing is asked now */
     top_key(&t, 'c');
-    take(&t, 2, 2000); /* the question stays */
+    take(2, 2000); /* the question stays */
     ck_assert_int_eq(top_key(&t, 'y'), TOP_CANCEL);
     ck_assert_str_eq(t.about, "aa000000000000000000000000000000");
     top_key(&t, 'p');
@@ -274,21 +271,18 @@ TEST(what_changes_something_is_asked_first)
     ck_assert_str_eq(t.about, "ws2");
     ck_assert_int_eq(top_key(&t, 'a'), TOP_LOOK);
     ck_assert(t.closed);
-    top_release(&t);
 }
 
 TEST(a_job_has_its_units_by_worker)
 {
-    struct top t;
     const struct picture *p;
     char bar[41];
 
-    top_init(&t);
-    take(&t, 1, 1000);
+    take(1, 1000);
     top_key(&t, TOP_KEY_DOWN);
     ck_assert_int_eq(top_key(&t, TOP_KEY_ENTER), TOP_LOOK);
-    take(&t, 2, 2000);
-    p = draw(&t, 46 + 40, 24);
+    take(2, 2000);
+    p = draw(46 + 40, 24);
     ck_assert_ptr_nonnull(strstr(p->line[0], "job aa000000  room  of ana"));
     ck_assert_int_ge(line_with(p, "running, 25 % done, left 1:30, pass 3 of 7 "
                                   "to 50 %, error about 3.4 %"),
@@ -307,12 +301,11 @@ TEST(a_job_has_its_units_by_worker)
     top_key(&t, 'c');
     ck_assert_int_eq(top_key(&t, 'y'), TOP_CANCEL);
     top_key(&t, TOP_KEY_DOWN);
-    p = draw(&t, 100, 24);
+    p = draw(100, 24);
     ck_assert_int_lt(line_with(p, "ws1"), 0);
     ck_assert_int_ge(line_with(p, "ws2"), 0);
     ck_assert_int_eq(top_key(&t, 'q'), TOP_LOOK); /* back to the lists */
-    ck_assert_int_ge(line_with(draw(&t, 100, 24), "atrium"), 0);
-    top_release(&t);
+    ck_assert_int_ge(line_with(draw(100, 24), "atrium"), 0);
 }
 
 TEST(what_is_strange_is_drawn_all_the_same)
@@ -327,15 +320,14 @@ TEST(what_is_strange_is_drawn_all_the_same)
          "\"elapsed_s\":1e308,\"rays\":1e308,\"name\":5}]"),
     };
     static const char odd[] =
-        "{\"job\":\"aa\",\"time\":{\"wall_s\":1},\"running\":[{},5],\"workers\":[{\"name\":\"a\"}"
+        "{\"job\":\"aa\",\"time\":{\"wall_s\":1},\"running\":[{},5],"
+        "\"workers\":[{\"name\":\"a\"}"
         ","
         "3,{\"rays\":1e300,\"peak_rss_bytes\":1e300}],\"units\":[7,{\"worker\":"
         "\"a\",\"start_s\":1e300,\"end_s\":-1},{\"worker\":\"a\",\"start_s\":0,"
         "\"end_s\":-5},{\"worker\":\"a\",\"start_s\":-4,\"end_s\":1e9}]}";
-    struct top t;
 
-    top_init(&t);
-    draw(&t, 80, 24); /* nothing came yet */
+    draw(80, 24); /* nothing came yet */
     ck_assert_int_eq(top_key(&t, 'c'), TOP_NOTHING);
     ck_assert_int_eq(top_key(&t, 'y'), TOP_NOTHING);
     ck_assert_int_eq(top_key(&t, TOP_KEY_ENTER), TOP_NOTHING);
@@ -344,27 +336,24 @@ TEST(what_is_strange_is_drawn_all_the_same)
 
         top_take(&t, i + 1, json_object(), parse(rows[i / 2]),
                  parse(rows[i / 2]), parse(odd));
-        p = draw(&t, 150, 24);
+        p = draw(150, 24);
         for (int k = 0; k < p->lines; k++)
             ck_assert(!strchr(p->line[k], '\033') &&
                       !strstr(p->line[k], "\xe2\x80\xae"));
-        type(&t, "s/");
+        type("s/");
         top_key(&t, TOP_KEY_BACK);
     }
     top_key(&t, TOP_KEY_ENTER);
     top_take(&t, 99, json_object(), parse(rows[3]), parse(rows[3]), parse(odd));
-    draw(&t, 150, 24);
-    draw(&t, 46, 3);
-    top_release(&t);
+    draw(150, 24);
+    draw(46, 3);
 }
 
 TEST(many_rows_scroll_with_the_chosen_one)
 {
-    struct top t;
     json_t *rows = json_array();
     char name[20];
 
-    top_init(&t);
     for (int i = 0; i < 500; i++) {
         snprintf(name, sizeof name, "ws%03d", i);
         json_array_append_new(rows, json_pack("{s:s}", "name", name));
@@ -376,7 +365,7 @@ TEST(many_rows_scroll_with_the_chosen_one)
         int at;
 
         snprintf(name, sizeof name, "ws%03d", i);
-        p = draw(&t, 80, 24);
+        p = draw(80, 24);
         at = line_with(p, name);
         ck_assert_int_ge(at, 0);
         ck_assert_int_eq(p->look[at], TOP_CHOSEN);
@@ -385,7 +374,6 @@ TEST(many_rows_scroll_with_the_chosen_one)
     top_key(&t, TOP_KEY_DOWN);
     ck_assert_str_eq(top_name(TOP_WORKERS, top_chosen(&t, TOP_WORKERS)),
                      "ws499");
-    top_release(&t);
 }
 
 static const struct {

@@ -238,8 +238,7 @@ TEST(an_expelled_worker_loses_its_links_connected_or_not)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     coord_closed(f.c, f.now_ms, SECOND, "broken");
     carry_out();
     ck_assert(!drops_second(WORKER));

@@ -42,8 +42,7 @@ slow_job(void)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     for (int i = 0; i < 50; i++) {
         wait_s(1);
         ping((uint64_t)i);
@@ -85,8 +84,7 @@ TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
     say(WORKER, &m);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     ck_assert_uint_eq(f.units[SECOND], 1); /* a suspect goes alone */
     ck_assert_uint_le(f.last[SECOND].unit.unit, 1);
     one[0] = f.last[SECOND].unit.unit;
@@ -161,8 +159,7 @@ TEST(a_worker_that_cannot_keep_a_child_leaves_the_job_to_others)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     for (int i = 1; i < JOB_MAX_SETBACKS; i++) {
         set_back(SECOND);
         ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);

@@ -722,8 +722,7 @@ make_half(unsigned first_s, unsigned second_s, bool together)
     result(WORKER, job_a, 0, 1);
     ck_assert_double_eq(left_s(), 0); /* how dear the rest is nobody knows */
     if (together) {
-        join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-        ready(SECOND, job_a);
+        second_ready(job_a);
     }
     wait_s(second_s - 2);
     result(WORKER, job_a, 1, 1);

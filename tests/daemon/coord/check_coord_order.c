@@ -306,8 +306,7 @@ TEST(an_owners_older_job_goes_first_whoever_else_has_one)
     many.submit.windows = 64;
     many.submit.frames = &square;
     say(ANA, &many);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_c);
+    second_ready(job_c);
     ready(SECOND, job_b);
     say(ANA, &up);
     ready(SECOND, job_a);

@@ -75,8 +75,7 @@ TEST(tiles_of_a_lost_worker_go_to_another)
 {
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     ck_assert(has_tile(WORKER) && !has_tile(SECOND)); /* it has both */
     coord_closed(f.c, ++f.now_ms, WORKER, "gone");
     carry_out();
@@ -130,8 +129,7 @@ TEST(a_late_tile_goes_to_a_second_worker)
     tile_rays = 10;
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     ck_assert(!has_tile(SECOND));
     wait_s(1);
     ck_assert(has_tile(SECOND));
@@ -151,8 +149,7 @@ TEST(a_late_tile_is_seen_at_the_next_tick)
     f.now_ms += 60;
     submit_passes(ANA, &wide, 1);
     ready(WORKER, job_a);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     for (uint64_t ms = 50; ms < 100; ms += 49) {
         ck_assert(!has_tile(SECOND));
         f.now_ms += ms;
@@ -196,8 +193,7 @@ TEST(the_oldest_tile_is_late_first)
     for (uint32_t pass = 0; pass < LAST; pass++)
         make_pass(WORKER, pass);
     ck_assert_uint_gt(tiles_of(LAST), 6);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     for (uint32_t i = 3; i < tiles_of(LAST);
          i++) /* WORKER has the first three */
         made(SECOND, LAST, i, 0);

@@ -327,8 +327,7 @@ TEST(a_late_result_of_an_old_attempt_is_dropped)
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
     coord_closed(f.c, f.now_ms, WORKER, "cut");
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a); /* has them all again */
+    second_ready(job_a); /* has them all again */
     join(6, MSG_ROLE_WORKER, "ws1", "daemon");
     result(6, job_a, f.last[SECOND].unit.unit, 1);
     ck_assert_int_eq(f.last[6].type, MSG_ACK); /* so that it forgets it */

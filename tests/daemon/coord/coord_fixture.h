@@ -347,14 +347,21 @@ tear_down(void)
     }
 }
 
+/* Another worker comes, and is ready for the job. */
+static inline void
+second_ready(const uint8_t *job)
+{
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job);
+}
+
 /* ws1 has two units, ws2 has done the others. */
 static inline void
 two_are_left(void)
 {
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(SECOND, job_a);
+    second_ready(job_a);
     result(SECOND, job_a, 2, 1);
     result(SECOND, job_a, 3, 1);
     f.units[SECOND] = 0;

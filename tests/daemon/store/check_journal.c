@@ -16,7 +16,25 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-FIXTURE(scratch_make, scratch_remove)
+static struct journal *j;
+static char path[160]; /* of the database */
+
+static void
+set_up(void)
+{
+    scratch_make();
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+}
+
+static void
+tear_down(void)
+{
+    journal_close(j);
+    j = NULL;
+    scratch_remove();
+}
+
+FIXTURE(set_up, tear_down)
 
 /* What reads, writes and syncs fail with; 0: they do not. */
 static _Atomic int read_fault, write_fault, sync_fault;
@@ -66,11 +84,9 @@ pwrite64(int fd, const void *bytes, size_t n, off_t at)
  * and one that has its name is whole, whatever becomes of its log. */
 TEST(a_database_gets_its_name_when_it_is_whole)
 {
-    char path[160], made[170], log[170];
-    struct journal *j;
+    char made[170], log[170];
     FILE *f;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     snprintf(made, sizeof made, "%s.new", path);
     snprintf(log, sizeof log, "%s-wal", path);
     f = fopen(made, "w");
@@ -85,7 +101,6 @@ TEST(a_database_gets_its_name_when_it_is_whole)
     fputs("half a log", f);
     fclose(f);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
-    journal_close(j);
 }
 
 static const struct {
@@ -101,11 +116,8 @@ LOOP_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault,
 {
     struct saved_job job = { .spec = kept_spec, .owner = "ana" };
     struct rad_error err = { 0 };
-    char path[160];
-    struct journal *j;
     bool has;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
     ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
     write_fault = faults[_i].write;
@@ -118,39 +130,34 @@ LOOP_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault,
     ck_assert_int_eq(journal_commit(j, NULL), 0);
     ck_assert_int_eq(journal_has(j, kept_job, &has, NULL), 0);
     ck_assert(has);
-    journal_close(j);
 }
 
 TEST(rows_of_a_unit_that_was_not_noted_are_not)
 {
     struct saved_job job = { .spec = kept_spec, .owner = "ana" };
     struct saved_unit unit = { .stored = 1, .worker = "" };
-    char path[160];
-    struct journal *j;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
     ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
     ck_assert_int_eq(journal_put_rows(j, kept_job, &unit, NULL), RAD_EDATA);
     ck_assert_int_eq(journal_put_unit(j, kept_job, &unit, NULL), 0);
     ck_assert_int_eq(journal_put_rows(j, kept_job, &unit, NULL), 0);
-    journal_close(j);
 }
 
 static long
 log_bytes(void)
 {
-    char path[160];
+    char log[170];
     struct stat st;
 
-    snprintf(path, sizeof path, "%s/radcoord.db-wal", dir);
-    ck_assert_int_eq(stat(path, &st), 0);
+    snprintf(log, sizeof log, "%s-wal", path);
+    ck_assert_int_eq(stat(log, &st), 0);
     return (long)st.st_size;
 }
 
 /* Put a unit, which is not committed yet. */
 static void
-put_one(struct journal *j, uint32_t unit)
+put_one(uint32_t unit)
 {
     struct saved_unit u = { .unit = unit, .worker = "ws1" };
 
@@ -163,10 +170,7 @@ TEST(the_log_gives_its_room_to_those_that_lack_it)
 {
     struct saved_job job = { .spec = kept_spec, .owner = "ana" };
     struct saved_unit unit = { .stored = 1 };
-    char path[160];
-    struct journal *j;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
     ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
     ck_assert_int_eq(journal_commit(j, NULL), 0);
@@ -181,22 +185,21 @@ TEST(the_log_gives_its_room_to_those_that_lack_it)
     ck_assert_int_gt(log_bytes(), 0);
     ck_assert_int_eq(journal_give_room(j, NULL), 0);
     ck_assert_int_eq(log_bytes(), 0);
-    put_one(j, 0);
+    put_one(0);
     ck_assert_int_eq(journal_commit(j, NULL), 0);
-    put_one(j, 1);
+    put_one(1);
     ck_assert_int_eq(journal_give_room(j, NULL), 0);
     ck_assert_int_gt(log_bytes(), 0);
-    put_one(j, 2);
+    put_one(2);
     ck_assert_int_eq(journal_commit(j, NULL), 0);
     ck_assert_int_eq(log_bytes(), 0);
-    put_one(j, 3);
+    put_one(3);
     ck_assert_int_eq(journal_commit(j, NULL), 0);
     ck_assert_int_gt(log_bytes(), 0); /* the log is of use again */
     journal_close(j);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
     for (; unit.unit < 4; unit.unit++)
         ck_assert_int_eq(journal_put_rows(j, kept_job, &unit, NULL), 0);
-    journal_close(j);
 }
 
 /* Its life ends before there is room. */
@@ -221,9 +224,7 @@ TEST(rows_stay_until_their_picture_is_written)
  * is in the log lasts. */
 TEST(a_database_that_cannot_be_looked_at_is_not_replaced)
 {
-    char path[160];
     struct stat st;
-    struct journal *j;
     struct rad_error err = { 0 };
 
     snprintf(path, sizeof path, "%s/loop.db", dir);
@@ -238,10 +239,7 @@ TEST(a_database_that_cannot_be_looked_at_is_not_replaced)
 TEST(a_database_that_cannot_be_read_is_not_damaged)
 {
     struct rad_error err = { 0 };
-    char path[160];
-    struct journal *j;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
     read_fault = EIO;
     ck_assert_int_eq(journal_check(j, &err), RAD_EIO);
@@ -250,18 +248,17 @@ TEST(a_database_that_cannot_be_read_is_not_damaged)
     journal_close(j);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
     ck_assert_int_eq(journal_check(j, NULL), 0);
-    journal_close(j);
 }
 
 /* An open() for SQLite alone, with a disk that lets the log be read only. */
 static int
-open_but_log(const char *path, int flags, int mode)
+open_but_log(const char *name, int flags, int mode)
 {
-    if ((flags & O_RDWR) && strstr(path, "-wal")) {
+    if ((flags & O_RDWR) && strstr(name, "-wal")) {
         errno = EIO;
         return -1;
     }
-    return open(path, flags, mode);
+    return open(name, flags, mode);
 }
 
 TEST(a_log_that_the_disk_does_not_open_is_not_forbidden)
@@ -270,11 +267,9 @@ TEST(a_log_that_the_disk_does_not_open_is_not_forbidden)
     sqlite3_syscall_ptr usual = vfs->xGetSystemCall(vfs, "open");
     uint64_t date = 1, epoch;
     struct rad_error err = { 0 };
-    char path[160], log[170];
-    struct journal *j;
+    char log[170];
     FILE *f;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     snprintf(log, sizeof log, "%s-wal", path);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
     journal_close(j);
@@ -285,6 +280,7 @@ TEST(a_log_that_the_disk_does_not_open_is_not_forbidden)
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
     ck_assert_int_eq(journal_begin_life(j, &date, &epoch, &err), RAD_EIO);
     journal_close(j);
+    j = NULL;
     vfs->xSetSystemCall(vfs, "open", usual);
 }
 
@@ -296,10 +292,7 @@ TEST(a_commit_without_memory_for_more_is_one)
                             .bottom = bottom,
                             .nbottom = sizeof bottom };
     struct rad_error err = { 0 };
-    char path[160];
-    struct journal *j;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
     ck_assert_int_eq(journal_put_job(j, &job, &err), 0);
     ck_assert_int_eq(journal_commit(j, &err), 0);
@@ -310,7 +303,6 @@ TEST(a_commit_without_memory_for_more_is_one)
     sqlite3_hard_heap_limit64(sqlite3_memory_used() + 4096);
     ck_assert_msg(journal_commit(j, &err) == 0, "%s", err.what);
     sqlite3_hard_heap_limit64(0);
-    journal_close(j);
 }
 
 /* A worker keeps rows until they are said to be kept. */
@@ -402,7 +394,7 @@ note_end(void *arg, const struct saved_job *s, struct rad_error *err)
 
 /* Begin a life by that clock; returns its date, and the age of the job. */
 static uint64_t
-live(struct journal *j, uint64_t clock, uint64_t *age)
+live(uint64_t clock, uint64_t *age)
 {
     struct rad_error err = { 0 };
     uint64_t epoch, end_ms = 0;
@@ -415,55 +407,49 @@ live(struct journal *j, uint64_t clock, uint64_t *age)
     return clock;
 }
 
-/* A database with a job that was over five days before NOV26, in a life that
- * began by that clock. */
-static struct journal *
+/* Open a database with a job that was over five days before NOV26, in a life
+ * that began by that clock. */
+static void
 live_first(uint64_t clock)
 {
     struct saved_job job = { .spec = kept_spec, .owner = "ana", .text = "" };
-    char path[160];
     uint64_t age;
-    struct journal *j;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
-    ck_assert_uint_eq(live(j, clock, &age), clock);
+    ck_assert_uint_eq(live(clock, &age), clock);
     ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
     job.state = job.last.state = JOB_CANCELLED;
     job.end_ms = NOV26 - 5 * DAY;
     ck_assert_int_eq(journal_put_end(j, &job, NULL), 0);
-    return j;
 }
 
 LOOP_TEST(a_wrong_clock_makes_no_job_old, N_ELEM(pauses))
 {
-    struct journal *j = live_first(NOV26 - 6 * DAY);
     uint64_t date, age;
 
+    live_first(NOV26 - 6 * DAY);
     ck_assert_int_eq(journal_put_date(j, NOV26, NULL), 0);
-    date = live(j, pauses[_i].clock, &age);
+    date = live(pauses[_i].clock, &age);
     ck_assert_uint_eq(date, pauses[_i].date);
     ck_assert_uint_eq(age, pauses[_i].age);
     /* the clock is put right while that life goes on for a day */
     ck_assert_int_eq(journal_put_date(j, date + DAY, NULL), 0);
-    live(j, NOV26 + DAY, &age);
+    live(NOV26 + DAY, &age);
     ck_assert_uint_ge(age, pauses[_i].age + DAY);
     ck_assert_uint_le(age, pauses[_i].age + DAY + 12 * HOUR);
-    journal_close(j);
 }
 
 /* A life of which the database has no date but that of its beginning, as all
  * had before dates were put: its last jobs are new to the next life. */
 TEST(no_date_is_moved_into_the_future)
 {
-    struct journal *j = live_first(NOV26 - 20 * DAY);
     uint64_t age;
 
-    live(j, NOV26, &age);
+    live_first(NOV26 - 20 * DAY);
+    live(NOV26, &age);
     ck_assert_uint_eq(age, 0);
-    live(j, NOV26 + HOUR, &age);
+    live(NOV26 + HOUR, &age);
     ck_assert_uint_eq(age, HOUR);
-    journal_close(j);
 }
 
 /* Times of a job that goes on: offered, submitted, opened, a unit's end. */
@@ -500,10 +486,7 @@ TEST(the_dates_of_a_job_are_moved_alike)
                             .end_ms = NOV26 - 2 * HOUR };
     uint64_t date = NOV26 - DAY, epoch, ms[4];
     struct rad_error err = { 0 };
-    char path[160];
-    struct journal *j;
 
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
     ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
     ck_assert_int_eq(journal_begin_life(j, &date, &epoch, NULL), 0);
     ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
@@ -515,5 +498,4 @@ TEST(the_dates_of_a_job_are_moved_alike)
     ck_assert_msg(journal_read(j, note_times, ms, &err) == 0, "%s", err.what);
     for (unsigned i = 0; i < 4; i++)
         ck_assert_uint_eq(ms[i], date - (17 - i) * HOUR);
-    journal_close(j);
 }

@@ -196,8 +196,7 @@ TEST(a_worker_that_has_stopped_starts_no_child)
 
 TEST(units_go_down_and_results_up)
 {
-    start_job();
-    child_ready();
+    load_job();
     ck_assert_int_eq(said(f.coord, MSG_READY), 1);
     ck_assert_mem_eq(f.last.ready.job, job_id, MSG_JOB);
     unit(3);
@@ -214,8 +213,7 @@ TEST(units_go_down_and_results_up)
 
 TEST(what_was_not_acknowledged_is_sent_again)
 {
-    start_job();
-    child_ready();
+    load_job();
     for (uint32_t u = 0; u < 3; u++)
         unit(u);
     rows(0, 0);
@@ -247,8 +245,7 @@ TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     struct msg bye = { .type = MSG_BYE, .bye = { "drained" } };
     unsigned dials;
 
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     worker_allow(f.w, f.now_ms, MSG_DRAIN_HOURS);
     carry_out();
@@ -328,8 +325,7 @@ LOOP_TEST(a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children,
     struct msg bye = { .type = MSG_BYE, .bye = { "drained" } };
     unsigned dials;
 
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     if (no_coord[_i] == PARTED)
         hear(f.coord, &bye);
@@ -357,8 +353,7 @@ TEST(what_is_kept_is_counted_until_it_is_acknowledged)
     other[0].ack.unit = 1;
     other[1].ack.attempt = 2;
     other[2].ack.row = 1;
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     ck_assert_uint_eq(worker_kept(f.w, f.child), 0);
     rows(0, 0);
@@ -380,8 +375,7 @@ TEST(what_is_kept_is_counted_until_it_is_acknowledged)
 
 TEST(a_child_that_is_held_does_not_hang)
 {
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     worker_hold(f.w, f.child, true);
     for (int i = 0; i < 1000; i++)
@@ -396,8 +390,7 @@ TEST(a_child_that_is_held_does_not_hang)
 /* The second row: a new child loads already. */
 LOOP_TEST(rows_of_a_child_that_died_after_a_cut_are_sent_again, 2)
 {
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     unit(1);
     rows(0, 0);
@@ -428,8 +421,7 @@ LOOP_TEST(rows_of_a_child_that_died_after_a_cut_are_sent_again, 2)
 
 TEST(rows_wait_for_the_start_after_a_cut)
 {
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     cut();
     rows(0, 0);
@@ -444,8 +436,7 @@ TEST(rows_wait_for_the_start_after_a_cut)
 
 TEST(a_lost_child_is_reported_with_its_suspects)
 {
-    start_job();
-    child_ready();
+    load_job();
     for (uint32_t u = 0; u < 4; u++)
         unit(u);
     rows(0, 0);
@@ -466,8 +457,7 @@ TEST(the_end_of_a_job_ends_its_child)
 {
     struct msg m = { .type = MSG_JOB_END, .job_end = { job_id } };
 
-    start_job();
-    child_ready();
+    load_job();
     hear(f.coord, &m);
     ck_assert_uint_eq(f.kills, 1);
     clear();
@@ -509,8 +499,7 @@ LOOP_TEST(what_is_wrong_here_is_not_the_scenes_fault, N_ELEM(giving_up))
                      .failed = { job_id, (uint16_t)giving_up[_i].status,
                                  "why" } };
 
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     hear(f.child, &m);
     ck_assert_int_eq(f.last.type, giving_up[_i].told);
@@ -524,8 +513,7 @@ LOOP_TEST(what_is_wrong_here_is_not_the_scenes_fault, N_ELEM(giving_up))
 
 TEST(a_child_killed_from_outside_leaves_no_suspects)
 {
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     worker_child_ended(f.w, f.now_ms, f.child, EX_OSERR, "killed by signal 9");
     carry_out();
@@ -536,8 +524,7 @@ TEST(a_child_killed_from_outside_leaves_no_suspects)
 /* Its job may have too little memory, which is so at all workers. */
 TEST(a_child_may_end_for_its_jobs_fault)
 {
-    start_job();
-    child_ready();
+    load_job();
     unit(0);
     worker_child_ended(f.w, f.now_ms, f.child, EX_DATAERR, "out of memory");
     carry_out();
@@ -570,8 +557,7 @@ TEST(a_child_that_hangs_is_ended)
 
 TEST(a_child_without_units_may_be_silent)
 {
-    start_job();
-    child_ready();
+    load_job();
     for (int i = 0; i < 1000; i++)
         tick(900);
     ck_assert_uint_eq(f.kills, 0);
@@ -582,8 +568,7 @@ TEST(a_child_that_hangs_at_a_tile_is_ended)
     struct msg tile = { .type = MSG_TILE, .tile = { .job = job_id } };
     struct msg made = { .type = MSG_TILE_MADE, .tile_made = { .job = job_id } };
 
-    start_job();
-    child_ready();
+    load_job();
     hear(f.coord, &tile);
     hear(f.child, &made);
     for (int i = 0; i < 1000; i++)
@@ -645,8 +630,7 @@ LOOP_TEST(it_ends_when_welcomed_in_another_version, N_ELEM(strange))
 static void
 cut_with_rows(void)
 {
-    start_job();
-    child_ready();
+    load_job();
     unit(3);
     rows(3, 0);
     rows(3, 2);
@@ -700,8 +684,7 @@ TEST(units_go_on_when_the_coordinator_is_back)
     static const uint16_t order[] = { MSG_RESULT, MSG_STILL, MSG_STILL,
                                       MSG_PARKED, MSG_READY };
 
-    start_job();
-    child_ready();
+    load_job();
     for (uint32_t u = 0; u < 2; u++)
         unit(u);
     hear(f.coord, &loan);
@@ -731,8 +714,7 @@ TEST(a_job_that_begins_with_another_cache_begins_anew)
     static const uint8_t one[MSG_JOB] = { 1 }, other[MSG_JOB] = { 2 };
 
     job_reuse = one;
-    start_job();
-    child_ready();
+    load_job();
     ck_assert_uint_eq(f.spawns, 1);
     cut();
     tick(1000);
@@ -764,8 +746,7 @@ TEST(another_job_of_the_same_id_begins_anew)
 {
     static const uint8_t other[MSG_HASH] = { 2 };
 
-    start_job();
-    child_ready();
+    load_job();
     unit(3);
     rows(3, 0);
     job_files = other;
@@ -784,8 +765,7 @@ TEST(another_job_of_the_same_id_begins_anew)
 
 TEST(a_job_of_another_priority_goes_on)
 {
-    start_job();
-    child_ready();
+    load_job();
     job_priority = 5;
     start_job_after_a_cut();
     job_priority = 0;
@@ -797,8 +777,7 @@ TEST(a_parked_unit_is_no_suspect)
 {
     struct msg m = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
 
-    start_job();
-    child_ready();
+    load_job();
     for (uint32_t u = 0; u < 4; u++)
         unit(u);
     hear(f.child, &m);
@@ -815,8 +794,7 @@ TEST(a_unit_that_was_parked_and_is_resumed_is_a_suspect)
     struct msg parked = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
     struct msg resumed = { .type = MSG_RESUMED, .resumed = { job_id, 1, 1 } };
 
-    start_job();
-    child_ready();
+    load_job();
     for (uint32_t u = 0; u < 3; u++) {
         unit(u);
         parked.parked.unit = u;

@@ -37,14 +37,12 @@ static void
 link_peer(void)
 {
     introduce(MSG_PEER_DIAL);
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
 }
 
 TEST(a_base_line_goes_to_whom_waits_and_to_the_coordinator)
 {
-    start_job();
-    child_ready();
+    load_job();
     link_peer();
     next_holder("ws2");
     made(0, 5, 0, 2);
@@ -68,8 +66,7 @@ TEST(a_base_line_goes_to_whom_waits_and_to_the_coordinator)
 
 TEST(a_base_line_that_is_made_goes_to_one_named_late_or_linked_late)
 {
-    start_job();
-    child_ready();
+    load_job();
     made(0, 5, 0, 2);
     made(0, 5, 0, 2); /* once more: the same values */
     made(7, 1, 4, 0); /* with a gap before it: not of use */
@@ -91,8 +88,7 @@ TEST(a_base_line_from_a_peer_goes_to_the_child_if_it_fits)
 {
     struct msg m = piece(0, 8, 0, 4);
 
-    start_job();
-    child_ready();
+    load_job();
     link_peer();
     hear(f.peer, &m);
     ck_assert_int_eq(said(f.child, MSG_BASE_LINE), 1);
@@ -109,8 +105,7 @@ TEST(a_base_line_from_a_peer_goes_to_the_child_if_it_fits)
 
 TEST(base_lines_are_repeated_before_rows_that_were_not_acknowledged)
 {
-    start_job();
-    child_ready();
+    load_job();
     made(0, 8, 0, 4);
     unit(0);
     rows(0, 0);
@@ -165,8 +160,7 @@ TEST(what_workers_share_passes_through)
           .estimated = { job_id, 1, 1, &cost, { .rays = 9 } } },
     };
 
-    start_job();
-    child_ready();
+    load_job();
     for (int i = 0; i < 3; i++) { /* nothing about unit 3 */
         hear(f.coord, &down[i]);
         ck_assert_int_eq(said(f.child, down[i].type), 0);
@@ -197,8 +191,7 @@ TEST(what_is_lent_is_a_unit_until_it_is_done)
     const struct msg paid = { .type = MSG_PAID,
                               .paid = { job_id, 3, 2, { .rays = 9 } } };
 
-    start_job();
-    child_ready();
+    load_job();
     loan.loan.channels = 4; /* not this job's */
     hear(f.coord, &loan);
     ck_assert_int_eq(said(f.child, MSG_LOAN), 0);
@@ -236,8 +229,7 @@ TEST(what_loans_cost_is_not_lost_with_a_connection)
     };
     struct msg_tally t;
 
-    start_job();
-    child_ready();
+    load_job();
     hear(f.child, &paid);
     ck_assert_int_eq(said(f.coord, MSG_TALLY), 1); /* the child's sums begin */
     ck_assert_int_eq(said(f.coord, MSG_PAID), 1);
@@ -275,8 +267,7 @@ TEST(what_it_lends_comes_back_when_the_coordinator_is_gone)
                                         density, bitmap, line_bytes,
                                         line_bytes } };
 
-    start_job();
-    child_ready();
+    load_job();
     unit(2);
     unit(3);
     hear(f.child, &loan);

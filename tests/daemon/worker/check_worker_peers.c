@@ -24,14 +24,12 @@ TEST(records_go_to_peers_and_from_peers_to_the_child)
 {
     struct msg m = { .type = MSG_AMBIENT, .ambient = { 1, token, 9 } };
 
-    start_job();
-    child_ready();
+    load_job();
     introduce(MSG_PEER_DIAL);
     ck_assert_uint_ne(f.peer, 0);
     child_records(); /* not linked yet: lost */
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 0);
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
     ck_assert_int_eq(said(f.peer, MSG_PEER_HELLO), 1);
     child_records();
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
@@ -48,8 +46,7 @@ keep_records(uint32_t flags, int to_peer)
     job_flags = MSG_JOB_SHARE;
     child_ready();
     introduce(MSG_PEER_DIAL);
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
     child_records();
     ck_assert_int_eq(said(f.coord, MSG_RECORDS), 1);
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), to_peer);
@@ -67,8 +64,7 @@ TEST(records_that_are_not_shared_go_nowhere_else)
 
 TEST(records_that_nobody_wants_stay)
 {
-    start_job();
-    child_ready();
+    load_job();
     child_records();
     ck_assert_int_eq(said(f.coord, MSG_RECORDS), 0);
 }
@@ -95,8 +91,7 @@ TEST(a_peers_key_is_forgotten)
 {
     struct msg end = { .type = MSG_JOB_END, .job_end = { job_id } };
 
-    start_job();
-    child_ready();
+    load_job();
     ck_assert(!worker_peer_token(f.w, is_token, NULL));
     introduce(MSG_PEER_DIAL); /* ours is to dial: nobody may come with it */
     ck_assert(!worker_peer_token(f.w, is_token, NULL));
@@ -109,11 +104,9 @@ TEST(a_peers_key_is_forgotten)
 
 TEST(a_peer_that_is_no_longer_welcome_is_let_go)
 {
-    start_job();
-    child_ready();
+    load_job();
     introduce(MSG_PEER_DIAL);
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
     child_records();
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
     introduce(MSG_PEER_DROP);
@@ -129,11 +122,9 @@ TEST(a_peer_that_another_life_of_the_coordinator_does_not_name_is_let_go)
                      .welcome = { MSG_VERSION, 1, "radcoord" } };
 
     connect();
-    start_job();
-    child_ready();
+    load_job();
     introduce(MSG_PEER_DIAL);
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
     for (m.welcome.epoch = 1; m.welcome.epoch < 3; m.welcome.epoch++) {
         cut();
         tick(1000);
@@ -163,8 +154,7 @@ TEST(a_peer_is_let_in_by_its_token_alone)
 {
     static const uint8_t wrong[MSG_TOKEN] = { 4 };
 
-    start_job();
-    child_ready();
+    load_job();
     introduce(0);
     peer_says_hello(7, wrong);
     child_records();
@@ -177,8 +167,7 @@ TEST(a_peer_is_let_in_by_its_token_alone)
 
 TEST(a_peer_may_call_before_the_coordinator_named_it)
 {
-    start_job();
-    child_ready();
+    load_job();
     peer_says_hello(8, token);
     introduce(0);
     child_records();
@@ -188,8 +177,7 @@ TEST(a_peer_may_call_before_the_coordinator_named_it)
 /* By the same token, as long as it is not to have been forgotten. */
 TEST(a_peer_whose_link_broke_is_let_in_again)
 {
-    start_job();
-    child_ready();
+    load_job();
     introduce(0);
     peer_says_hello(7, token);
     worker_closed(f.w, f.now_ms, 7, "cut");
@@ -207,14 +195,12 @@ TEST(a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts)
     struct msg end = { .type = MSG_JOB_END, .job_end = { job_id } };
     unsigned dials;
 
-    start_job();
-    child_ready();
+    load_job();
     dials = f.dials;
     introduce(MSG_PEER_DIAL);
     for (int i = 0; i < 20; i++) {
         clear();
-        worker_opened(f.w, f.now_ms, f.peer);
-        carry_out();
+        peer_opened();
         child_records();
         ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
         worker_closed(f.w, f.now_ms, f.peer, "cut");
@@ -248,19 +234,16 @@ LOOP_TEST(a_peer_that_is_not_reached_is_dialled_ever_less_often, 2)
                                    6400, 12800, 25600, 30000, 30000 };
 
     f.chance = _i ? 0xff : 0;
-    start_job();
-    child_ready();
+    load_job();
     introduce(MSG_PEER_DIAL);
     for (int i = 0; i < N_ELEM(ms); i++) {
         ck_assert_uint_eq(redial_ms(), ms[i] + (_i ? ms[i] / 2 : 0));
         ck_assert_int_eq(f.warnings, ms[i] >= 3200);
     }
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
     tick(5000); /* soon lost again */
     ck_assert_uint_ge(redial_ms(), 30000);
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
     tick(10000);
     ck_assert_uint_le(redial_ms(), 150);
 }
@@ -269,12 +252,10 @@ LOOP_TEST(a_peer_that_is_not_reached_is_dialled_ever_less_often, 2)
  * breaks, as at the end of a job, was reached. */
 TEST(a_peer_that_never_answers_is_told_at_once)
 {
-    start_job();
-    child_ready();
+    load_job();
     introduce(MSG_PEER_DIAL);
     for (int i = 0; i < 3; i++) {
-        worker_opened(f.w, f.now_ms, f.peer);
-        carry_out();
+        peer_opened();
         tick(5000);
         redial_ms();
         ck_assert_int_eq(f.warnings, 0);
@@ -295,11 +276,9 @@ RANGE_TEST(it_speaks_with_a_peer_what_both_know, MSG_VERSION_MIN,
     struct msg_peer p = { "ws2", "tcp x", token, MSG_PEER_DIAL, version };
     struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job_id, 1, &p } };
 
-    start_job();
-    child_ready();
+    load_job();
     hear(f.coord, &m);
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
     ck_assert_int_eq(f.session, MSG_AT_PEER);
     ck_assert_uint_eq(f.version, version);
 }
@@ -363,8 +342,7 @@ static void
 begin_passes(void)
 {
     connect();
-    start_job();
-    child_ready();
+    load_job();
     clear();
 }
 
@@ -447,8 +425,7 @@ TEST(records_go_on_once_to_peers_that_are_fed)
 
     begin_passes();
     introduce(MSG_PEER_DIAL);
-    worker_opened(f.w, f.now_ms, f.peer);
-    carry_out();
+    peer_opened();
     clear();
     tile_records(f.coord, 0, 0);
     ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 0);
@@ -476,8 +453,7 @@ TEST(a_new_child_begins_with_the_first_pass)
     tile_records(f.coord, 2, 0);
     worker_child_ended(f.w, ++f.now_ms, f.child, EX_SOFTWARE, "signal 9");
     carry_out();
-    start_job();
-    child_ready();
+    load_job();
     clear();
     closed(1, 1);
     ck_assert_int_eq(f.nsaid, 0);

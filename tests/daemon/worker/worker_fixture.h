@@ -208,6 +208,14 @@ child_ready(void)
     hear(f.child, &m);
 }
 
+/* The job comes, and its child is ready. */
+static inline void
+load_job(void)
+{
+    start_job();
+    child_ready();
+}
+
 static inline void
 unit(uint32_t number)
 {
@@ -289,6 +297,14 @@ introduce(uint32_t flags)
     struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job_id, 1, &p } };
 
     hear(f.coord, &m);
+}
+
+/* The link to the peer that it dialled is there. */
+static inline void
+peer_opened(void)
+{
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
 }
 
 #endif

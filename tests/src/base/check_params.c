@@ -28,7 +28,7 @@ cut_words(char *text, char *argv[MOST_WORDS])
 
 /* Take all options of text; the first code below 1, or 1. */
 static int
-take(struct rad_params *p, const char *text, struct rad_error *err)
+take(struct rad_params *into, const char *text, struct rad_error *err)
 {
     char copy[2 * RAD_PARAMS_TEXT], *argv[MOST_WORDS];
     int argc, rc = 1;
@@ -37,16 +37,23 @@ take(struct rad_params *p, const char *text, struct rad_error *err)
     strcpy(copy, text);
     argc = cut_words(copy, argv);
     for (int i = 0; i < argc; i += rc)
-        if ((rc = rad_params_option(p, argc - i, argv + i, err)) < 1)
+        if ((rc = rad_params_option(into, argc - i, argv + i, err)) < 1)
             return rc;
     return rc;
 }
 
+static struct rad_params p;
+
+static void
+set_up(void)
+{
+    rad_params_init(&p);
+}
+
+FIXTURE(set_up, NULL)
+
 TEST(defaults_are_those_of_rpict)
 {
-    struct rad_params p;
-
-    rad_params_init(&p);
     ck_assert_int_eq(p.xres, 512);
     ck_assert_int_eq(p.yres, 512);
     ck_assert_double_eq(p.pixaspect, 1);
@@ -75,9 +82,6 @@ TEST(defaults_are_those_of_rpict)
 
 TEST(options_set_their_field)
 {
-    struct rad_params p;
-
-    rad_params_init(&p);
     ck_assert_int_gt(take(&p,
                           "-x 17 -y 19 -pa 0 -pj .5 -ps 6 -pt 0.1 -i -u "
                           "-bv -dt 1e-3 -dc 1 -dj .9 -ds 0 -dr 2 -dp 0 -dv "
@@ -110,9 +114,6 @@ static const struct {
 
 LOOP_TEST(booleans_set_clear_and_toggle, N_ELEM(switches))
 {
-    struct rad_params p;
-
-    rad_params_init(&p);
     ck_assert_int_gt(take(&p, switches[_i].text, NULL), 0);
     ck_assert_int_eq(p.directvis, switches[_i].on);
 }
@@ -200,12 +201,11 @@ static const struct {
 
 LOOP_TEST(bands_are_what_was_asked_for, N_ELEM(bands))
 {
-    struct rad_params p, again;
+    struct rad_params again;
     struct rad_error err = { 0 };
     char text[RAD_PARAMS_TEXT];
     const char *tail;
 
-    rad_params_init(&p);
     ck_assert_int_gt(take(&p, bands[_i].text, &err), 0);
     ck_assert_int_eq(rad_params_check(&p, &err), 0);
     ck_assert_int_eq(p.bands.n, bands[_i].n);
@@ -231,10 +231,8 @@ static const struct {
 
 LOOP_TEST(bands_that_cannot_be_are_refused, N_ELEM(misfits))
 {
-    struct rad_params p;
     struct rad_error err = { 0 };
 
-    rad_params_init(&p);
     ck_assert_int_gt(take(&p, misfits[_i].text, &err), 0);
     ck_assert_int_eq(rad_params_check(&p, &err), RAD_EUSAGE);
     ck_assert_str_eq(err.what, misfits[_i].what);
@@ -243,10 +241,9 @@ LOOP_TEST(bands_that_cannot_be_are_refused, N_ELEM(misfits))
 /* what rpict has unless told otherwise */
 TEST(three_spectral_samples_are_taken)
 {
-    struct rad_params p, q;
+    struct rad_params q;
     struct rad_error err = { 0 };
 
-    rad_params_init(&p);
     rad_params_init(&q);
     ck_assert_int_eq(take(&p, "-cs 3", &err), 2);
     ck_assert_mem_eq(&p, &q, sizeof p);
@@ -255,10 +252,8 @@ TEST(three_spectral_samples_are_taken)
 
 LOOP_TEST(bad_options_are_named, N_ELEM(bad))
 {
-    struct rad_params p;
     struct rad_error err = { 0 };
 
-    rad_params_init(&p);
     ck_assert_int_eq(take(&p, bad[_i].text, &err), RAD_EUSAGE);
     ck_assert_str_eq(err.what, bad[_i].what);
 }
@@ -271,7 +266,7 @@ TEST(other_words_are_left_alone)
                                          "-t",        "-w",  "-e",  "-aE" };
 
     for (int i = 0; i < N_ELEM(words); i++) {
-        struct rad_params p, before;
+        struct rad_params before;
         struct rad_error err = { 0 };
 
         rad_params_init(&p);
@@ -287,9 +282,8 @@ TEST(other_words_are_left_alone)
 TEST(no_limit_of_photons_is_taken)
 {
     char option[] = "-am", most[] = "0", *argv[] = { option, most };
-    struct rad_params p, before;
+    struct rad_params before;
 
-    rad_params_init(&p);
     rad_params_init(&before);
     ck_assert_int_eq(rad_params_option(&p, 1, argv, NULL), RAD_EUSAGE);
     ck_assert_int_eq(take(&p, "-am 0.0", NULL), 2);
@@ -298,9 +292,6 @@ TEST(no_limit_of_photons_is_taken)
 
 TEST(sampling_stays_within_what_rpict_does)
 {
-    struct rad_params p;
-
-    rad_params_init(&p);
     ck_assert_int_gt(take(&p, "-ps 0", NULL), 0);
     ck_assert_int_eq(p.psample, 1);
     ck_assert_int_gt(take(&p, "-ps 40", NULL), 0);
@@ -309,9 +300,6 @@ TEST(sampling_stays_within_what_rpict_does)
 
 TEST(a_negative_aspect_fills_the_picture)
 {
-    struct rad_params p;
-
-    rad_params_init(&p);
     ck_assert_int_gt(take(&p, "-pa -1", NULL), 0);
     ck_assert(p.pixaspect == 0);
     ck_assert_int_gt(take(&p, "-pa 1.5", NULL), 0);
@@ -320,10 +308,8 @@ TEST(a_negative_aspect_fills_the_picture)
 
 TEST(check_refuses_what_does_not_go_together)
 {
-    struct rad_params p;
     struct rad_error err = { 0 };
 
-    rad_params_init(&p);
     ck_assert_int_gt(take(&p, "-lr -4 -lw 0", NULL), 0);
     ck_assert_int_eq(rad_params_check(&p, &err), RAD_EUSAGE);
     ck_assert_ptr_nonnull(strstr(err.what, "-lr -4"));
@@ -334,10 +320,8 @@ TEST(check_refuses_what_does_not_go_together)
 TEST(last_kind_of_output_colour_counts)
 {
     struct rad_rgb L = rad_rgb(1, 1, 1), xyz;
-    struct rad_params p;
     char text[RAD_PARAMS_TEXT];
 
-    rad_params_init(&p);
     rad_params_format(&p, text, sizeof text);
     ck_assert_ptr_null(strstr(text, "-pRGB"));
     ck_assert_int_gt(take(&p, "-pc .7 .3 .2 .7 .1 .1 .3 .3", NULL), 0);
@@ -361,12 +345,10 @@ TEST(last_kind_of_output_colour_counts)
 
 TEST(names_of_the_last_kind_add_up)
 {
-    struct rad_params p;
     struct rad_error err = { 0 };
     char text[RAD_PARAMS_TEXT], name[10];
     int n = 0;
 
-    rad_params_init(&p);
     ck_assert_int_gt(take(&p, "-ae r -ae blue", NULL), 0);
     ck_assert_int_eq(p.amblisted, RAD_AMB_EXCLUDE);
     ck_assert_str_eq(p.amblist, "r blue");
@@ -408,7 +390,7 @@ any_real(uint64_t key)
 TEST(text_gives_the_same_parameters_bit_for_bit)
 {
     for (uint64_t i = 0; i < 300; i++) {
-        struct rad_params p, q;
+        struct rad_params q;
         char text[RAD_PARAMS_TEXT], again[RAD_PARAMS_TEXT];
 
         rad_params_init(&p);
@@ -454,9 +436,8 @@ LOOP_TEST(first_option_that_differs_is_named, N_ELEM(differing))
 
 TEST(records_of_colours_know_no_bands_nor_places)
 {
-    struct rad_params p, q, r;
+    struct rad_params q, r;
 
-    rad_params_init(&p);
     q = p;
     q.bands = (struct rad_bands){ 20, 700, 400, RAD_PLANE_COLOURS };
     q.shown[0] = q.shown[3] = 4;
@@ -469,11 +450,9 @@ TEST(records_of_colours_know_no_bands_nor_places)
 
 TEST(longest_text_fits)
 {
-    struct rad_params p;
     char text[RAD_PARAMS_TEXT];
     struct rad_rgb longest = rad_grey(1.17549446e-38f);
 
-    rad_params_init(&p);
     p.xres = p.yres = RAD_MAX_RES;
     p.pixaspect = p.pixjitter = p.maxdiff = p.srcjitter = p.srcsizerat =
         p.shadthresh = p.shadcert = p.specjitter = p.specthresh = p.seccg =
@@ -490,23 +469,21 @@ TEST(longest_text_fits)
 static void
 take_line(void *arg, const char *text)
 {
-    struct rad_params p;
+    struct rad_params taken;
     char copy[256];
 
     strcpy(copy, text);
     ck_assert_ptr_nonnull(strchr(copy, '#'));
     *strchr(copy, '#') = '\0';
-    rad_params_init(&p);
-    ck_assert_msg(take(&p, copy, NULL) > 0, "'%s'", text);
+    rad_params_init(&taken);
+    ck_assert_msg(take(&taken, copy, NULL) > 0, "'%s'", text);
     ++*(int *)arg;
 }
 
 TEST(every_line_of_the_defaults_is_an_option)
 {
-    struct rad_params p;
     int n = 0;
 
-    rad_params_init(&p);
     rad_params_print_defaults(&p, take_line, &n);
     ck_assert_int_gt(n, 30);
 }
@@ -538,11 +515,9 @@ look_up(void *arg, const char *text)
 
 TEST(every_option_is_in_the_manual)
 {
-    struct rad_params p;
     char *page = manual();
 
     ck_assert_msg(page != NULL, "top_srcdir must say where man/ is");
-    rad_params_init(&p);
     rad_params_print_defaults(&p, look_up, page);
     free(page);
 }

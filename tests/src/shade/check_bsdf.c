@@ -73,18 +73,33 @@ static const char coloured[] =
               ".05 .055 .06 .065 .07 .10 .105 .11 .115 .12 .15 .155 .16 .165 "
               ".17 .20 .205 .21 .215 .22 .25 .255 .26 .265 .27") FOOT;
 
-static struct rad_bsdf *
-parse(struct rad_arena *arena, const char *xml, struct rad_error *err)
+static struct rad_arena arena;
+
+static void
+set_up(void)
 {
-    rad_arena_init(arena);
-    return rad_bsdf_parse(arena, xml, strlen(xml), err);
+    rad_arena_init(&arena);
+}
+
+static void
+tear_down(void)
+{
+    rad_arena_release(&arena);
+}
+
+FIXTURE(set_up, tear_down)
+
+static struct rad_bsdf *
+parse(const char *xml, struct rad_error *err)
+{
+    return rad_bsdf_parse(&arena, xml, strlen(xml), err);
 }
 
 static struct rad_bsdf *
-must_parse(struct rad_arena *arena, const char *xml)
+must_parse(const char *xml)
 {
     struct rad_error err = { 0 };
-    struct rad_bsdf *b = parse(arena, xml, &err);
+    struct rad_bsdf *b = parse(xml, &err);
 
     ck_assert_msg(b != NULL, "%s", err.what);
     return b;
@@ -142,8 +157,7 @@ static const struct {
 
 LOOP_TEST(matrix_gives_the_value_of_its_patches, N_ELEM(matrices))
 {
-    struct rad_arena arena;
-    struct rad_bsdf *b = must_parse(&arena, matrices[_i].xml);
+    struct rad_bsdf *b = must_parse(matrices[_i].xml);
     double in[3], out[3], xyz[3];
 
     direction(matrices[_i].in[0], matrices[_i].in[1], in);
@@ -152,13 +166,11 @@ LOOP_TEST(matrix_gives_the_value_of_its_patches, N_ELEM(matrices))
     ck_assert_double_eq_tol(xyz[1], matrices[_i].value, 4e-4);
     ck_assert_double_eq_tol(xyz[0], xyz[1], 1e-9);
     ck_assert_double_eq_tol(xyz[2], xyz[1], 1e-9);
-    rad_arena_release(&arena);
 }
 
 TEST(colour_is_kept)
 {
-    struct rad_arena arena;
-    struct rad_bsdf *b = must_parse(&arena, coloured);
+    struct rad_bsdf *b = must_parse(coloured);
     double in[3], out[3], xyz[3];
 
     direction(50, 0, in);
@@ -171,13 +183,11 @@ TEST(colour_is_kept)
     ck_assert_double_eq_tol(xyz[0], M_PI * .2, 1e-3);
     ck_assert_double_eq_tol(xyz[1], M_PI * .1, 1e-3);
     ck_assert_double_eq_tol(xyz[2], M_PI * .05, 1e-3);
-    rad_arena_release(&arena);
 }
 
 TEST(least_value_is_the_lambertian_rest)
 {
-    struct rad_arena arena;
-    struct rad_bsdf *b = must_parse(&arena, matrix);
+    struct rad_bsdf *b = must_parse(matrix);
     double xyz[3], in[3] = { 0, 0, 1 };
     /* of patch 0: .1 is taken off .2 to .5 in quarters of 3/4 pi */
     double all = (.1 + .2 + .3 + .4) * .75 * M_PI / 4;
@@ -190,7 +200,6 @@ TEST(least_value_is_the_lambertian_rest)
     ck_assert(rad_bsdf_scatters(b, true, false));
     ck_assert(rad_bsdf_scatters(b, false, true));
     ck_assert(!rad_bsdf_scatters(b, false, false));
-    rad_arena_release(&arena);
 }
 
 /* Shirley and Chiu's square has azimuth 0 to the right, 90 up; upper halves are
@@ -220,15 +229,13 @@ static const struct {
 
 LOOP_TEST(tree_gives_the_value_of_its_leaves, N_ELEM(trees))
 {
-    struct rad_arena arena;
-    struct rad_bsdf *b = must_parse(&arena, trees[_i].xml);
+    struct rad_bsdf *b = must_parse(trees[_i].xml);
     double in[3], out[3], xyz[3];
 
     direction(trees[_i].in[0], trees[_i].in[1], in);
     direction(trees[_i].out[0], trees[_i].out[1], out);
     value(b, in, out, xyz);
     ck_assert_double_eq_tol(xyz[1], trees[_i].value, 4e-4);
-    rad_arena_release(&arena);
 }
 
 /* --- drawing ---------------------------------------------------------------
@@ -288,8 +295,7 @@ LOOP_TEST(directions_are_drawn_as_light_goes, N_ELEM(drawn))
 {
     enum { N = 20000 };
     struct rad_bsdf_eye eye;
-    struct rad_arena arena;
-    struct rad_bsdf *b = must_parse(&arena, drawn[_i].xml);
+    struct rad_bsdf *b = must_parse(drawn[_i].xml);
     double in[3], truth[NBINS] = { 0 }, got[NBINS] = { 0 }, all;
 
     direction(drawn[_i].in[0], drawn[_i].in[1], in);
@@ -309,13 +315,11 @@ LOOP_TEST(directions_are_drawn_as_light_goes, N_ELEM(drawn))
     /* bins cut through the quadrature's squares */
     for (int i = 0; i < NBINS; i++)
         ck_assert_double_eq_tol(got[i], truth[i], .004 * all + 4e-4);
-    rad_arena_release(&arena);
 }
 
 TEST(neighbouring_numbers_give_neighbouring_directions)
 {
-    struct rad_arena arena;
-    struct rad_bsdf *b = must_parse(&arena, tree4);
+    struct rad_bsdf *b = must_parse(tree4);
     double in[3], last[3], out[3], xyz[3], far = 0;
     struct rad_bsdf_eye eye;
 
@@ -328,7 +332,6 @@ TEST(neighbouring_numbers_give_neighbouring_directions)
         rad_copy(last, out);
     }
     ck_assert_double_lt(far / 4000, .06); /* at random it would be .9 */
-    rad_arena_release(&arena);
 }
 
 static const struct {
@@ -345,14 +348,12 @@ static const struct {
 
 LOOP_TEST(cells_have_their_size, N_ELEM(cells))
 {
-    struct rad_arena arena;
-    struct rad_bsdf *b = must_parse(&arena, cells[_i].xml);
+    struct rad_bsdf *b = must_parse(cells[_i].xml);
     double in[3], out[3], xyz[3];
 
     direction(cells[_i].in[0], cells[_i].in[1], in);
     direction(cells[_i].out[0], cells[_i].out[1], out);
     ck_assert_double_eq_tol(value(b, in, out, xyz), cells[_i].cell, 1e-9);
-    rad_arena_release(&arena);
 }
 
 static const struct {
@@ -394,12 +395,10 @@ static const struct {
 LOOP_TEST(bad_file_is_refused, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
-    struct rad_arena arena;
 
-    ck_assert_ptr_null(parse(&arena, bad[_i].xml, &err));
+    ck_assert_ptr_null(parse(bad[_i].xml, &err));
     ck_assert(err.code == RAD_EDATA || err.code == RAD_EUNSUPPORTED);
     ck_assert_msg(strstr(err.what, bad[_i].problem) != NULL, "%s", err.what);
-    rad_arena_release(&arena);
 }
 
 static char *
@@ -427,7 +426,6 @@ TEST(large_tree_wants_memory)
     char *xml = malloc(8 << 20), *end;
     const char *fork = getenv("CK_FORK");
     struct rad_error err = { 0 };
-    struct rad_arena arena;
     struct rlimit limit;
     unsigned long pages = 0;
     FILE *f = fopen("/proc/self/statm", "r");
@@ -441,9 +439,8 @@ TEST(large_tree_wants_memory)
         ck_assert_int_eq(getrlimit(RLIMIT_AS, &limit), 0);
         limit.rlim_cur = pages * (rlim_t)sysconf(_SC_PAGESIZE) + (24 << 20);
         ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
-        ck_assert_ptr_null(parse(&arena, xml, &err));
+        ck_assert_ptr_null(parse(xml, &err));
         ck_assert_msg(err.code == RAD_ENOMEM, "%s", err.what);
-        rad_arena_release(&arena);
     }
     free(xml);
 }
@@ -737,8 +734,7 @@ TEST(samples_go_where_the_data_say)
                                        { .6, 0, .8 } };
     enum { N = 300, TIMES = 40000 };
     double in[3] = { -M_SQRT1_2, 0, M_SQRT1_2 }, want = 0, sum = 0;
-    struct rad_arena arena;
-    struct rad_bsdf *b = must_parse(&arena, fan);
+    struct rad_bsdf *b = must_parse(fan);
     struct world at = { 0 };
 
     for (int i = 0; i < N * N; i++) {
@@ -753,7 +749,6 @@ TEST(samples_go_where_the_data_say)
         want += (xyz[1] - .1) * (2 + .5 * d[0] + .7 * d[1] + .3 * d[2]) * M_PI /
                 (N * N);
     }
-    rad_arena_release(&arena);
     ck_assert_int_eq(
         world_try(&at,
                   "void BSDF m 6 0 fan.xml 0 1 0 . 0 0\n"
