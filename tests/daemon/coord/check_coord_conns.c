@@ -100,8 +100,7 @@ TEST(one_user_has_not_all_connections)
     ck_assert_int_eq(f.last[first + 257].type, MSG_WELCOME);
     call(first + 258, user | 1u << MSG_ROLE_ADMIN, "eve", true);
     ck_assert_int_eq(f.last[first + 258].type, MSG_WELCOME);
-    coord_closed(f.c, f.now_ms, first, "gone");
-    carry_out();
+    cut(first);
     call(first + 259, user, "eve", true);
     ck_assert_int_eq(f.last[first + 259].type, MSG_WELCOME);
 }
@@ -239,14 +238,12 @@ TEST(an_expelled_worker_loses_its_links_connected_or_not)
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
     second_ready(job_a);
-    coord_closed(f.c, f.now_ms, SECOND, "broken");
-    carry_out();
+    cut(SECOND);
     ck_assert(!drops_second(WORKER));
     coord_expel(f.c, f.now_ms, "ws2");
     carry_out();
     ck_assert(drops_second(WORKER));
-    coord_closed(f.c, f.now_ms, WORKER, "broken");
-    carry_out();
+    cut(WORKER);
     join(STRANGER, MSG_ROLE_WORKER, "ws1", "daemon");
     ready(STRANGER, job_a);
     ck_assert_int_eq(f.peers[STRANGER], 1);

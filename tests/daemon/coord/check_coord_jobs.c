@@ -194,8 +194,7 @@ static void
 file_comes(uint64_t who)
 {
     f.have = true;
-    coord_file_stored(f.c, f.now_ms, who, hash);
-    carry_out();
+    file_came(who, hash);
     ck_assert_int_eq(f.last[who].type, MSG_ACCEPT);
 }
 
@@ -219,8 +218,7 @@ TEST(a_job_of_many_files_is_accepted)
     for (unsigned i = 0; i < MANY; i++) {
         names[i][0] = (uint8_t)(i >> 8);
         names[i][1] = (uint8_t)i;
-        coord_file_stored(f.c, f.now_ms, ANA, names[i]);
-        carry_out();
+        file_came(ANA, names[i]);
     }
     m.submit.files = (struct msg_hashes){ MANY, names[0] };
     say(ANA, &m);
@@ -260,8 +258,7 @@ TEST(a_hash_alone_gives_no_right_to_a_file)
     wait_s(1);
     ck_assert_int_ne(f.last[STRANGER].type, MSG_ACCEPT);
     ck_assert_int_ne(f.last[WORKER].type, MSG_JOB_START);
-    coord_file_stored(f.c, f.now_ms, STRANGER, hash);
-    carry_out();
+    file_came(STRANGER, hash);
     ck_assert_int_eq(f.last[STRANGER].type, MSG_ACCEPT);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
 }
@@ -381,8 +378,7 @@ TEST(a_worker_without_room_may_have_some_when_it_comes_again)
 {
     submit(ANA, job_a, 0);
     room(job_a, false);
-    coord_closed(f.c, f.now_ms, WORKER, "reset");
-    carry_out();
+    cut(WORKER);
     join(SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
     ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
 }
@@ -421,8 +417,7 @@ TEST(workers_load_when_the_last_file_is_there)
     submit(ANA, job_a, 0);
     ck_assert_uint_ne(f.last[WORKER].type, MSG_JOB_START);
     f.have = true;
-    coord_file_stored(f.c, f.now_ms, ANA, hash);
-    carry_out();
+    file_came(ANA, hash);
     ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_START);
 }
 
@@ -612,8 +607,7 @@ TEST(a_full_disk_holds_jobs)
     wait_s(1);
     ck_assert_uint_eq(f.progress.state, MSG_STATE_HELD);
     f.have = true;
-    coord_file_stored(f.c, f.now_ms, ANA, hash);
-    carry_out();
+    file_came(ANA, hash);
     ck_assert_int_ne(f.last[WORKER].type, MSG_JOB_START);
     coord_fullness(f.c, f.now_ms, false, "");
     carry_out();

@@ -115,8 +115,7 @@ TEST(a_job_without_room_is_not_loaded)
 {
     const struct job *job;
 
-    coord_closed(f.c, f.now_ms, WORKER, "gone");
-    carry_out();
+    cut(WORKER);
     f.stuck = true;
     submit(ANA, job_a, 0);
     job = desk_find_job(f.c, job_a);
@@ -444,8 +443,7 @@ TEST(a_job_that_no_arithmetic_is_left_for_says_so)
 {
     two_arithmetics(MSG_JOB_SAME_BITS);
     ck_assert_str_eq(text_of_job(), "");
-    coord_closed(f.c, f.now_ms, WORKER, "cut");
-    carry_out();
+    cut(WORKER);
     ck_assert_str_eq(
         text_of_job(),
         "--same-bits: no worker here has the arithmetic of the first, ws1");
@@ -467,8 +465,7 @@ TEST(other_reasons_are_not_taken_for_the_arithmetic)
         say(SECOND, &lost);
     }
     ck_assert_str_eq(text_of_job(), "");
-    coord_closed(f.c, f.now_ms, WORKER, "cut");
-    carry_out();
+    cut(WORKER);
     ck_assert_str_eq(text_of_job(),
                      "no worker that is here can keep a process for it");
     join(WORKER, MSG_ROLE_WORKER, "ws1", "daemon");

@@ -77,8 +77,8 @@ TEST(tiles_of_a_lost_worker_go_to_another)
     ready(WORKER, job_a);
     second_ready(job_a);
     ck_assert(has_tile(WORKER) && !has_tile(SECOND)); /* it has both */
-    coord_closed(f.c, ++f.now_ms, WORKER, "gone");
-    carry_out();
+    f.now_ms++;
+    cut(WORKER);
     ck_assert(has_tile(SECOND));
     make_pass(SECOND, 0);
     ck_assert_uint_eq(state().open, 1);
@@ -202,8 +202,8 @@ TEST(the_oldest_tile_is_late_first)
     job = desk_find_job(f.c, job_a);
     made(SECOND, LAST, 0, 0);
     ck_assert_uint_gt(tiles_out(&job->parts[0]), 0);
-    coord_closed(f.c, ++f.now_ms, WORKER, "gone");
-    carry_out();
+    f.now_ms++;
+    cut(WORKER);
     ck_assert_uint_eq(tiles_out(&job->parts[0]), 0);
     join(WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
     ready(WORKER, job_a);

@@ -340,8 +340,7 @@ TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
     ready(WORKER, job_a);
     f.stuck = true;
     result(WORKER, job_a, 0, 1);
-    coord_closed(f.c, f.now_ms, WORKER, "cut off");
-    carry_out();
+    cut(WORKER);
     join(6, MSG_ROLE_WORKER, "ws1", "daemon");
     ready(6, job_a);
     result(6, job_a, 0, 1); /* it has heard of no ACK */

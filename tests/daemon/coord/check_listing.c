@@ -203,8 +203,7 @@ TEST(workers_come_in_pages)
     for (int i = 0; i < 3000; i++) { /* one after the other, all but WORKER */
         snprintf(name, sizeof name, "host%d", i);
         join(SECOND, MSG_ROLE_WORKER, name, "");
-        coord_closed(f.c, f.now_ms, SECOND, "gone");
-        carry_out();
+        cut(SECOND);
     }
     all =
         walk(ANA, (struct msg_page){ MSG_ROWS_WORKERS, 0, "", "", 0, 0 }, NULL);
@@ -362,8 +361,7 @@ LOOP_TEST(a_worker_that_gets_no_work_says_why, N_ELEM(leaves))
         say((uint64_t)leaves[_i].sender, &drain);
     if (leaves[_i].sender != SECOND) { /* which is let go at once */
         expect_away("", leaves[_i].word, leaves[_i].note);
-        coord_closed(f.c, f.now_ms, SECOND, "gone");
-        carry_out();
+        cut(SECOND);
     }
     expect_away("gone", leaves[_i].word, gone ? gone : leaves[_i].note);
 }
@@ -377,8 +375,7 @@ TEST(a_worker_that_is_gone_is_forgotten)
     ck_assert_int_eq(status_for(ADMIN), EX_USAGE);
     forget("ws3");
     ck_assert_int_eq(status_for(ADMIN), EX_NOINPUT);
-    coord_closed(f.c, f.now_ms, SECOND, "gone");
-    carry_out();
+    cut(SECOND);
     ck_assert_uint_eq(workers_told(), 2);
     forget("ws2");
     ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
@@ -394,15 +391,13 @@ TEST(a_forgotten_worker_of_a_job_goes_with_that)
     submit(ANA, job_a, 0);
     join(SECOND, MSG_ROLE_WORKER, "ws2", "");
     ready(SECOND, job_a);
-    coord_closed(f.c, f.now_ms, SECOND, "gone");
-    carry_out();
+    cut(SECOND);
     forget("ws2");
     ck_assert_uint_eq(workers_told(), 1);
     ck_assert_ptr_nonnull(f.c->workers->next);
     join(SECOND, MSG_ROLE_WORKER, "ws2", ""); /* it is back */
     ck_assert_uint_eq(workers_told(), 2);
-    coord_closed(f.c, f.now_ms, SECOND, "gone");
-    carry_out();
+    cut(SECOND);
     forget("ws2");
     about(ANA, MSG_CANCEL, job_a);
     about(ANA, MSG_DELETE, job_a);

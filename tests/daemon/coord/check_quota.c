@@ -38,8 +38,7 @@ set_up_few(void)
     coord_set_limits(f.c, &few);
     join_plain(EVE, "eve");
     join_plain(EVE_TOO, "eve");
-    coord_file_stored(f.c, f.now_ms, EVE, hash);
-    carry_out();
+    file_came(EVE, hash);
 }
 
 FIXTURE(set_up_few, tear_down)
@@ -154,8 +153,7 @@ file_is_whole(uint64_t conn, uint8_t file)
 {
     uint8_t name[MSG_HASH] = { file };
 
-    coord_file_stored(f.c, f.now_ms, conn, name);
-    carry_out();
+    file_came(conn, name);
 }
 
 static json_int_t
@@ -212,8 +210,7 @@ TEST(whose_job_was_refused_comes_before_who_comes_later)
     submit(LATER, job_id(2), 0);
     ck_assert_int_eq(f.last[LATER].type, MSG_ACCEPT);
     submit(EVE, job_id(4), 0); /* it goes without a job */
-    coord_closed(f.c, f.now_ms, EVE, "gone");
-    carry_out();
+    cut(EVE);
     about(EVE_TOO, MSG_CANCEL, job_id(2));
     submit(LATER, job_id(5), 0);
     ck_assert_int_eq(f.last[LATER].type, MSG_ACCEPT);
@@ -286,8 +283,7 @@ TEST(files_on_their_way_are_limited_by_number_and_bytes)
     file_is_whole(EVE, 7);
     send_chunk(EVE, 9, 0, 1000);
     expect_refused(EVE, EX_TEMPFAIL, "limit user_upload_mib");
-    coord_closed(f.c, f.now_ms, EVE_TOO, "gone"); /* what it sent goes */
-    carry_out();
+    cut(EVE_TOO); /* what it sent goes */
     ck_assert_int_eq(used(EVE, "user_upload_mib"), 3);
     send_chunk(EVE, 9, 0, 1000);
     ck_assert_int_eq(used(EVE, "user_uploads"), 1);
@@ -351,12 +347,10 @@ TEST(files_that_are_offered_again_wait_anew)
     say(EVE, &offer);
     send_chunk(EVE, 7, 0, 1000);
     file_is_whole(EVE, 7);
-    coord_closed(f.c, f.now_ms, EVE, "broken");
-    carry_out();
+    cut(EVE);
     wait_s(UPLOAD_MS / 2000);
     say(EVE_TOO, &offer);
-    coord_closed(f.c, f.now_ms, EVE_TOO, "broken");
-    carry_out();
+    cut(EVE_TOO);
     wait_s(UPLOAD_MS / 2000 + 2);
     ck_assert_int_eq(used(ADMIN, "user_upload_mib"), 1);
     wait_s(UPLOAD_MS / 2000 + 2);

@@ -296,8 +296,7 @@ TEST(a_cache_stays_until_who_begins_with_it_has_it)
     wait_s(120);
     ck_assert(find(job_a) && find(job_a)->cache.bytes > 0 && f.drops == 0);
     f.have = true;
-    coord_file_stored(f.c, f.now_ms, ANA, hash);
-    carry_out();
+    file_came(ANA, hash);
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
     ck_assert_mem_eq(f.last[ANA].accept.reuse, job_a, MSG_JOB);
     wait_s(2);

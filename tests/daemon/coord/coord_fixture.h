@@ -229,6 +229,22 @@ join(uint64_t conn, unsigned role, const char *name, const char *owner)
     say(conn, &m);
 }
 
+/* Its connection breaks. */
+static inline void
+cut(uint64_t conn)
+{
+    coord_closed(f.c, f.now_ms, conn, "cut");
+    carry_out();
+}
+
+/* The user has sent the file. */
+static inline void
+file_came(uint64_t conn, const uint8_t name[MSG_HASH])
+{
+    coord_file_stored(f.c, f.now_ms, conn, name);
+    carry_out();
+}
+
 static uint32_t submit_flags; /* of jobs that are submitted from now on */
 
 /* A SUBMIT of the usual job of one file and one frame; what else it has is for
@@ -325,10 +341,8 @@ set_up_coord(bool keeps)
     join(ANA, MSG_ROLE_USER, "", "ana");
     join(BOB, MSG_ROLE_USER, "", "bob");
     join(ADMIN, MSG_ROLE_ADMIN, "", "root");
-    for (uint64_t i = ANA; i <= ADMIN; i++) { /* each has sent the file */
-        coord_file_stored(f.c, f.now_ms, i, hash);
-        carry_out();
-    }
+    for (uint64_t i = ANA; i <= ADMIN; i++)
+        file_came(i, hash);
 }
 
 static inline void

@@ -8,14 +8,6 @@
 FIXTURE(set_up, tear_down)
 
 static void
-cut(uint64_t conn)
-{
-    coord_closed(f.c, f.now_ms, conn, "cut");
-    carry_out();
-    f.closed[conn] = false;
-}
-
-static void
 still(uint64_t conn, const struct msg_unit *u, uint32_t height)
 {
     struct msg m = { .type = MSG_STILL,

@@ -73,8 +73,7 @@ TEST(a_kept_line_is_free_when_its_maker_is_lost)
 
     start(MSG_PART_SCANBAR, 0, 2);
     n = waiting();
-    coord_closed(f.c, f.now_ms, W2, "cut");
-    carry_out();
+    cut(W2);
     ck_assert_uint_eq(waiting(), n + 3); /* and its two units */
 }
 

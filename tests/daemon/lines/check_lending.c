@@ -199,8 +199,7 @@ TEST(columns_of_one_that_is_lost_go_back)
     one_line_left(MSG_PART_SCANBAR, 2, &a);
     lend(W1, &a, 6, 10);
     clear();
-    coord_closed(f.c, f.now_ms, W2, "cut");
-    carry_out();
+    cut(W2);
     expect_own_again(&a);
 }
 
@@ -287,8 +286,7 @@ TEST(when_the_lender_goes_its_columns_are_dropped)
     lend(W1, &a, 6, 10);
     facts(W2, line_above(a.y + a.height));
     clear();
-    coord_closed(f.c, f.now_ms, W1, "cut");
-    carry_out();
+    cut(W1);
     ck_assert_int_eq(count(W2, MSG_YIELD), 1);
     wait_ms(2000);
     b = *unit_of(W2);
@@ -309,8 +307,7 @@ TEST(a_lender_that_comes_back_goes_on)
     struct msg_unit a, loan = lend_right(2, &a);
 
     clear();
-    coord_closed(f.c, f.now_ms, W1, "cut");
-    carry_out();
+    cut(W1);
     ck_assert_uint_eq(last(W2, MSG_YIELD)->m.yield.attempt, loan.attempt);
     join(W1, MSG_ROLE_WORKER, "ws1", "");
     still.still = (struct msg_gave){ id, a.unit, a.attempt, a.height };

@@ -108,8 +108,7 @@ TEST(areas_of_a_lost_or_late_worker_go_to_another)
     submit(MSG_PART_STATIC, 0, "5a", 1);
     ready(W1);
     lost = last(W1, MSG_ESTIMATE)->m.estimate.id;
-    coord_closed(f.c, f.now_ms, W1, "cut");
-    carry_out();
+    cut(W1);
     ready(W2);
     ck_assert_uint_eq(last(W2, MSG_ESTIMATE)->m.estimate.id, lost);
     join(W3, MSG_ROLE_WORKER, "ws3", "");

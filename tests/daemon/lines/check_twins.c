@@ -51,8 +51,7 @@ TEST(when_the_leader_goes_one_that_sent_nothing_goes_on)
 
     twins(&a, &b);
     result(W2, &b, 0, 2, false);
-    coord_closed(f.c, f.now_ms, W2, "cut");
-    carry_out();
+    cut(W2);
     ck_assert_int_eq(count(W1, MSG_REVOKE), 0);
     finish(W1, &a);
     ck_assert(f.done);
@@ -67,8 +66,7 @@ TEST(when_the_leader_goes_one_whose_rows_were_dropped_begins_anew)
     result(W2, &b, 0, 2, false);
     result(W1, &a, 0, 1, false);
     clear();
-    coord_closed(f.c, f.now_ms, W2, "cut");
-    carry_out();
+    cut(W2);
     ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
     b = *unit_of(W1);
     ck_assert(b.unit == a.unit && b.attempt == a.attempt + 2);
@@ -105,8 +103,7 @@ TEST(a_twin_and_not_its_borrower_waits_for_the_base_line)
     start(MSG_PART_STATIC, 0, 2);
     lower = *unit_of(W2);
     wait_ms(40000);
-    coord_closed(f.c, f.now_ms, W1, "cut");
-    carry_out();
+    cut(W1);
     wait_ms(2000);
     attempt(W2, MSG_PARKED, &lower);
     upper = *unit_of(W2);

@@ -217,12 +217,19 @@ ready(uint64_t conn)
     say(conn, &m);
 }
 
+/* Its connection breaks. */
+static inline void
+cut(uint64_t conn)
+{
+    coord_closed(f.c, f.now_ms, conn, "cut");
+    carry_out();
+}
+
 /* A worker is lost for good, and that other one is ready for the job. */
 static inline void
 replace(uint64_t lost, uint64_t by)
 {
-    coord_closed(f.c, f.now_ms, lost, "cut");
-    carry_out();
+    cut(lost);
     wait_ms(2000);
     join(by, MSG_ROLE_WORKER, NAMES[by - W1], "");
     ready(by);

@@ -18,7 +18,7 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-FIXTURE(scratch_make, scratch_remove)
+FIXTURE(scratch_make, remove_kept)
 
 static int
 note_job(void *arg, const struct saved_job *s, struct rad_error *err)
@@ -121,7 +121,6 @@ TEST(a_picture_that_is_damaged_is_not_given_out)
     read_all(&from, buf, sizeof buf);
     run();
     ck_assert_int_eq(heard.read_status, EX_IOERR);
-    close_kept();
 }
 
 /* Its pictures may be all that is left of another state folder. */
@@ -137,7 +136,6 @@ TEST(a_job_that_the_database_does_not_know_is_not_removed)
     ck_assert_int_eq(system(command), 0);
     ck_assert_int_eq(recover(&none, &err), RAD_EDATA);
     ck_assert(is_there(KEPT_DIR "/0.hdr"));
-    close_kept();
 }
 
 /* Nobody could fetch a picture of them. */
@@ -161,7 +159,6 @@ TEST(of_sensor_points_the_values_alone_are_kept)
         live(&job);
         ck_assert_int_eq(job.state == JOB_CANCELLED, life);
     }
-    close_kept();
 }
 
 TEST(a_job_that_is_over_is_remembered_and_forgotten)
@@ -192,7 +189,6 @@ TEST(a_job_that_is_over_is_remembered_and_forgotten)
     close_kept();
     live(&job);
     ck_assert_ptr_null(job.spec.job);
-    close_kept();
 }
 
 /* Without its rows and their room, which are removed when the end is noted. */
@@ -208,7 +204,6 @@ TEST(what_a_job_that_is_over_takes_is_known_in_another_life)
     close_kept();
     live(&job);
     ck_assert_uint_eq(job.kept_bytes, bytes);
-    close_kept();
 }
 
 /* How far the database was with a job whose folder was being removed when the
@@ -273,7 +268,6 @@ RANGE_TEST(a_job_that_was_being_forgotten_is_no_damage, UNSETTLED_JOB,
     ck_assert_ptr_null(job.spec.job);
     ck_assert(!is_there(KEPT_DIR));
     ck_assert(!is_there(KEPT_DIR ".gone"));
-    close_kept();
 }
 
 /* The job takes rows, and has them in another life. */
@@ -317,7 +311,6 @@ TEST(an_id_that_is_forgotten_twice_is_recorded_as_it_was_last)
     ck_assert_int_eq(recover(&job, NULL), 0);
     ck_assert_int_eq(heard.files, 1);
     ck_assert_int_eq(heard.status, GONE_OLD);
-    close_kept();
 }
 
 /* Of an earlier job of the same id, which is long forgotten, a file could not
@@ -343,7 +336,6 @@ TEST(what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id)
     ck_assert_ptr_nonnull(job.spec.job);
     ck_assert(!is_there(KEPT_DIR ".gone"));
     ck_assert(is_there(KEPT_DIR "/room"));
-    close_kept();
 }
 
 /* How many more files the folder of the job has that is being forgotten, and
@@ -384,7 +376,6 @@ LOOP_TEST(a_job_may_have_the_id_of_one_that_is_being_forgotten,
     keeps_a_unit(&job);
     ck_assert_int_eq(job.state, 2);
     ck_assert_int_eq(job.spec.priority, 7);
-    close_kept();
 }
 
 static void
@@ -429,7 +420,6 @@ TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
     run();
     ck_assert_int_eq(heard.jobs, 2);
     keeps_a_unit(&job);
-    close_kept();
 }
 
 /* Else the folder of the new job would stay, too, when that is forgotten. */
@@ -454,7 +444,6 @@ TEST(while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again)
     run();
     ck_assert_int_eq(heard.jobs, 2);
     keeps_a_unit(&job);
-    close_kept();
 }
 
 static int
@@ -513,7 +502,6 @@ TEST(a_new_folder_lasts)
 {
     open_kept();
     ck_assert(names_synced);
-    close_kept();
 }
 
 /* It was killed after it had named a file, and before the file was synced.  A
@@ -548,7 +536,6 @@ TEST(a_file_that_a_killed_store_left_lasts_before_it_counts)
     }
     ck_assert(store_look(store, &look)); /* from now on it is known */
     ck_assert(file_synced);
-    close_kept();
 }
 
 /* In place of the C library's: each other call is interrupted by a signal, as a
@@ -574,7 +561,6 @@ TEST(a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power)
     while (heard.settled != 44)
         uv_run(&loop, UV_RUN_ONCE);
     ck_assert(jobs_synced);
-    close_kept();
 }
 
 /* Leave a job that is done, with a cache of so many bytes. */
@@ -646,7 +632,6 @@ TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
     open_kept();
     ck_assert_int_eq(store_recover(store, 1, count_open, &nopen, NULL), 0);
     ck_assert_int_eq(nopen, 0);
-    close_kept();
 }
 
 /* What somebody may do to a state folder, and what is said of it. */
@@ -675,6 +660,7 @@ LOOP_TEST(a_damaged_folder_is_refused, N_ELEM(damages))
     if (store) {
         ck_assert_int_lt(recover(&job, &err), 0);
         store_close(store);
+        store = NULL;
     }
     uv_loop_close(&loop);
     ck_assert_int_eq(err.code, RAD_EDATA);
@@ -722,7 +708,6 @@ TEST(passes_that_cannot_be_read_for_a_shortage_are_not_lost)
     no_descriptor = false;
     live(&job);
     ck_assert_uint_eq(job.npasses, 1);
-    close_kept();
 }
 
 /* No damage, but no job may be left out without a word. */
@@ -740,5 +725,4 @@ TEST(a_folder_in_which_no_room_can_be_kept_is_refused)
     open_kept();
     ck_assert_int_eq(recover(&job, &err), RAD_EIO);
     ck_assert_ptr_nonnull(strstr(err.what, "/room"));
-    close_kept();
 }

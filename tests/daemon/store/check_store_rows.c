@@ -16,7 +16,7 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-FIXTURE(scratch_make, scratch_remove)
+FIXTURE(scratch_make, remove_kept)
 
 /* The files and folders that were synced, by their numbers. */
 static struct {
@@ -251,7 +251,6 @@ LOOP_TEST(a_job_that_was_given_up_stays_so, 2)
     ck_assert(!is_there(KEPT_DIR "/over"));
     open_kept();
     ck_assert_int_eq(store_recover(store, 1, note_cancelled, NULL, NULL), 0);
-    close_kept();
 }
 
 static void
@@ -388,7 +387,6 @@ TEST(a_units_base_line_outlives_the_store)
     }
     ck_assert(store_read_row(store, kept_job, 0, 1, line));
     ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
-    close_kept();
 }
 
 /* What a user or worker is told of a job is on the disk, with the names that
@@ -431,7 +429,6 @@ TEST(what_is_acknowledged_is_synced)
     check_synced(KEPT_DIR "/stats");
     check_synced(KEPT_DIR);
     check_synced("radcoord.db-wal");
-    close_kept();
 }
 
 /* Rows are made by what such a pass decides. */
@@ -460,7 +457,6 @@ TEST(a_firm_pass_is_synced_and_follows_the_one_before)
     ck_assert_uint_eq(n, 1);
     ck_assert_mem_eq(pass[0].bytes, "one", 3);
     free(bytes);
-    close_kept();
 }
 
 TEST(names_in_two_folders_are_synced_in_both)
@@ -512,7 +508,6 @@ TEST(nothing_of_a_forgotten_job_counts_for_the_next)
     ck_assert_msg(store_recover(store, 1, note_new, &is_new, &err) == 0, "%s",
                   err.what);
     ck_assert(is_new);
-    close_kept();
 }
 
 /* A life that noted unit 1 without unit 0 would leave a folder that the next
@@ -537,5 +532,4 @@ TEST(a_unit_that_cannot_be_noted_ends_the_life)
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     ck_assert(WIFEXITED(status));
     ck_assert_int_eq(WEXITSTATUS(status), EX_OSERR);
-    close_kept();
 }

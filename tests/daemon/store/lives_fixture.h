@@ -41,7 +41,17 @@ close_kept(void)
 {
     run();
     store_close(store);
+    store = NULL;
     ck_assert_int_eq(uv_loop_close(&loop), 0);
+}
+
+/* For FIXTURE(): also closes a store that is open. */
+static inline void
+remove_kept(void)
+{
+    if (store)
+        close_kept();
+    scratch_remove();
 }
 
 static inline void

@@ -257,8 +257,7 @@ TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     ck_assert_int_eq(f.last.type, MSG_RESULT);
     hear(f.coord, &bye);
     ck_assert(!f.stopped);
-    worker_closed(f.w, f.now_ms, f.coord, "closed");
-    carry_out();
+    cut();
     ck_assert_uint_eq(f.warnings, 0);
     ck_assert_uint_eq(f.kills, 1); /* and nothing stays */
     dials = f.dials;
@@ -272,16 +271,14 @@ TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     ck_assert_int_eq(f.last.type, MSG_DRAIN);
     ck_assert_int_eq(f.last.drain.why, MSG_DRAIN_IN_USE);
     hear(f.coord, &bye);
-    worker_closed(f.w, f.now_ms, f.coord, "closed");
-    carry_out();
+    cut();
     for (int i = 0; i < 100; i++)
         tick(1000);
     ck_assert_uint_eq(f.dials, dials);
     worker_allow(f.w, f.now_ms, 0);
     tick(100);
     ck_assert_uint_eq(f.dials, dials + 1);
-    worker_closed(f.w, f.now_ms, f.coord, "refused"); /* and that is one */
-    carry_out();
+    cut(); /* and that is one */
     ck_assert_uint_eq(f.warnings, 1);
     worker_allow(f.w, f.now_ms, MSG_DRAIN_HOURS);
     worker_allow(f.w, f.now_ms, 0); /* the pause before a dial is over, too */
@@ -441,9 +438,7 @@ TEST(a_lost_child_is_reported_with_its_suspects)
         unit(u);
     rows(0, 0);
     rows(0, 2);
-    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
-                       "killed by signal 11");
-    carry_out();
+    child_crashes();
     ck_assert_int_eq(f.last.type, MSG_LOST);
     ck_assert_str_eq(f.last.lost.text, "killed by signal 11");
     ck_assert_uint_eq(f.last.lost.nunits, 2); /* as many as threads */
@@ -664,8 +659,7 @@ TEST(it_leaves_when_the_coordinator_lets_it_go)
     hear(f.coord, &m);
     ck_assert(f.stopped);
     ck_assert_int_eq(f.status, 0);
-    worker_closed(f.w, f.now_ms, f.coord, "closed");
-    carry_out();
+    cut();
     ck_assert_uint_eq(f.warnings, 0);
 }
 
@@ -781,9 +775,7 @@ TEST(a_parked_unit_is_no_suspect)
     for (uint32_t u = 0; u < 4; u++)
         unit(u);
     hear(f.child, &m);
-    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
-                       "killed by signal 11");
-    carry_out();
+    child_crashes();
     ck_assert_uint_eq(f.last.lost.nunits, 2);
     ck_assert_uint_eq(f.last.lost.units[0], 1);
     ck_assert_uint_eq(f.last.lost.units[1], 2);
@@ -802,9 +794,7 @@ TEST(a_unit_that_was_parked_and_is_resumed_is_a_suspect)
     }
     hear(f.child, &resumed);
     ck_assert_int_eq(said(f.coord, MSG_RESUMED), 0);
-    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
-                       "killed by signal 11");
-    carry_out();
+    child_crashes();
     ck_assert_uint_eq(f.last.lost.nunits, 1);
     ck_assert_uint_eq(f.last.lost.units[0], 1);
 }

@@ -204,9 +204,7 @@ TEST(what_is_lent_is_a_unit_until_it_is_done)
     ck_assert_uint_eq(f.last.paid.counts.rays, 9);
     hear(f.child, &paid);
     ck_assert_int_eq(said(f.coord, MSG_PAID), 2);
-    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
-                       "killed by signal 11");
-    carry_out();
+    child_crashes();
     ck_assert_uint_eq(f.last.lost.nunits, 0);
 }
 
@@ -244,9 +242,7 @@ TEST(what_loans_cost_is_not_lost_with_a_connection)
     t = tally_said();
     ck_assert_uint_eq(t.paid.rays, 9);
     ck_assert_uint_eq(t.dropped.rays, 11);
-    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
-                       "killed by signal 11");
-    carry_out();
+    child_crashes();
     start_job(); /* again: of a new child */
     child_ready();
     cut();

@@ -10,6 +10,7 @@
 #include "worker/worker.h"
 
 #include <string.h>
+#include <sysexits.h>
 
 static const struct msg_frame frame = { 0, 8, 8, "" };
 static const uint8_t job_id[MSG_JOB] = { 0xaa }, token[MSG_TOKEN] = { 3 };
@@ -165,6 +166,15 @@ static inline void
 cut(void)
 {
     worker_closed(f.w, f.now_ms, f.coord, "cut");
+    carry_out();
+}
+
+/* The child dies, as its scene may have it. */
+static inline void
+child_crashes(void)
+{
+    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
+                       "killed by signal 11");
     carry_out();
 }
 
