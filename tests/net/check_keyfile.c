@@ -33,9 +33,18 @@ static const struct {
       3, true, 1709164800 },
 };
 
+static struct keyfile f;
+
+static void
+release(void)
+{
+    keyfile_release(&f);
+}
+
+FIXTURE(NULL, release)
+
 LOOP_TEST(a_line_says_whose_key_it_is, N_ELEM(good))
 {
-    struct keyfile f;
     struct rad_error err = { 0 };
 
     ck_assert_int_eq(
@@ -50,7 +59,6 @@ LOOP_TEST(a_line_says_whose_key_it_is, N_ELEM(good))
         ck_assert_uint_eq(f.v[0].secret[1], 0x11);
         ck_assert_uint_eq(f.v[0].secret[31], 0xff);
     }
-    keyfile_release(&f);
 }
 
 #define N63 "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
@@ -85,7 +93,6 @@ static const struct {
 
 LOOP_TEST(a_bad_line_is_named_and_its_secret_is_not, N_ELEM(bad))
 {
-    struct keyfile f;
     struct rad_error err = { 0 };
 
     ck_assert_int_eq(
@@ -100,7 +107,6 @@ LOOP_TEST(a_bad_line_is_named_and_its_secret_is_not, N_ELEM(bad))
 
 TEST(bounds_of_a_file_are_kept)
 {
-    struct keyfile f;
     struct rad_error err = { 0 };
     size_t room = 2 * KEY_MAX_FILE, n = 0;
     char *text = malloc(room);
@@ -131,20 +137,17 @@ TEST(the_numbers_of_a_name_come_to_an_end)
 {
     static const char text[] = "user:u:k999998 " HEX "\n";
     struct rad_error err = { 0 };
-    struct keyfile f;
 
     ck_assert_int_eq(keyfile_parse(&f, text, strlen(text), NULL), 0);
     ck_assert_int_eq(keyfile_add(&f, "user:u", 0, NULL), 0);
     ck_assert_int_eq(keyfile_add(&f, "user:u", 0, &err), RAD_ECONFIG);
     ck_assert_str_eq(err.what, "'user:u' has had k999999, the last");
     ck_assert_int_eq(keyfile_add(&f, "user:v", 0, NULL), 0);
-    keyfile_release(&f);
 }
 
 TEST(both_keys_of_a_rotation_count_until_one_is_retired)
 {
     static const char text[] = "# mine\nuser:bo:k1 " HEX;
-    struct keyfile f;
     struct key old;
 
     ck_assert_int_eq(keyfile_parse(&f, text, strlen(text), NULL), 0);
@@ -169,12 +172,10 @@ TEST(both_keys_of_a_rotation_count_until_one_is_retired)
         ck_assert_uint_eq(f.v[1].secret[i], 0);
     ck_assert_ptr_null(keyfile_best(&f, MSG_ROLE_ADMIN, 1));
     ck_assert_int_eq(strncmp(f.text, text, strlen(text)), 0);
-    keyfile_release(&f);
 }
 
 TEST(a_key_ends_when_its_date_comes)
 {
-    struct keyfile f;
     int64_t at = 0;
     char text[KEY_DATE];
 
@@ -189,7 +190,6 @@ TEST(a_key_ends_when_its_date_comes)
     ck_assert_int_eq(key_state(&f.v[0], at - 1), KEY_VALID);
     ck_assert_int_eq(key_state(&f.v[0], at), KEY_EXPIRED);
     ck_assert_ptr_null(keyfile_best(&f, MSG_ROLE_USER, at));
-    keyfile_release(&f);
 }
 
 static const char *const no_names[] = {
@@ -198,13 +198,10 @@ static const char *const no_names[] = {
 
 LOOP_TEST(only_names_get_keys, N_ELEM(no_names))
 {
-    struct keyfile f;
-
     ck_assert_int_eq(keyfile_parse(&f, "", 0, NULL), 0);
     ck_assert_int_eq(keyfile_add(&f, no_names[_i], 0, NULL), RAD_EUSAGE);
     ck_assert_int_eq(keyfile_retire(&f, "user:nobody", NULL), RAD_ENOINPUT);
     ck_assert_uint_eq(f.n, 0);
-    keyfile_release(&f);
 }
 
 static char path[128];
@@ -219,6 +216,7 @@ set_up(void)
 static void
 tear_down(void)
 {
+    release();
     unlink(path);
     ck_assert_int_eq(rmdir(dir), 0); /* no temporary file was left */
 }
@@ -235,7 +233,6 @@ order(enum msg_key_order what, const char *name, char **json)
 
 TEST(orders_change_the_file_and_say_what_they_did)
 {
-    struct keyfile f;
     struct stat st;
     char *json;
 
@@ -286,7 +283,6 @@ TEST(a_list_of_all_keys_fits_an_answer)
 TEST(links_are_followed_and_stay)
 {
     char link_path[160];
-    struct keyfile f;
     struct stat st;
     char *json;
 
@@ -302,7 +298,6 @@ TEST(links_are_followed_and_stay)
     ck_assert(S_ISLNK(st.st_mode));
     ck_assert_int_eq(keyfile_load(&f, path, NULL), 0);
     ck_assert_uint_eq(f.n, 2);
-    keyfile_release(&f);
     ck_assert_int_eq(unlink(link_path), 0);
 }
 
@@ -310,7 +305,6 @@ TEST(links_are_followed_and_stay)
 TEST(file_of_two_names_is_not_changed)
 {
     char second[160], *json;
-    struct keyfile f;
 
     snprintf(second, sizeof second, "%s/second", dir);
     ck_assert_int_eq(order(MSG_KEY_ADD, "user:a", &json), 0);
@@ -319,7 +313,6 @@ TEST(file_of_two_names_is_not_changed)
     ck_assert_int_eq(order(MSG_KEY_RETIRE, "user:a", &json), RAD_EPERM);
     ck_assert_int_eq(keyfile_load(&f, second, NULL), 0);
     ck_assert(!f.v[0].retired);
-    keyfile_release(&f);
     ck_assert_int_eq(unlink(second), 0);
 }
 
@@ -368,7 +361,6 @@ static const mode_t open_modes[] = { 0640, 0604, 0620, 0602, 0601, 0660 };
 
 LOOP_TEST(a_file_that_others_may_open_is_refused, N_ELEM(open_modes))
 {
-    struct keyfile f;
     char *json;
 
     ck_assert_int_eq(order(MSG_KEY_ADD, "user:a", &json), 0);
@@ -379,13 +371,11 @@ LOOP_TEST(a_file_that_others_may_open_is_refused, N_ELEM(open_modes))
     ck_assert_int_eq(chmod(path, 0400), 0);
     ck_assert_int_eq(keyfile_load(&f, path, NULL), 0);
     ck_assert_uint_eq(f.n, 1);
-    keyfile_release(&f);
 }
 
 /* systemd's way: an access list shows as root's group that may read. */
 TEST(credentials_of_systemd_are_taken)
 {
-    struct keyfile f;
     char *json;
 
     if (geteuid() != 0)
@@ -405,7 +395,6 @@ TEST(credentials_of_systemd_are_taken)
 TEST(a_file_that_cannot_be_is_an_error)
 {
     struct rad_error err = { 0 };
-    struct keyfile f;
     int fd;
 
     ck_assert_int_eq(keyfile_load(&f, dir, NULL), RAD_ENOINPUT);

@@ -30,9 +30,10 @@ teardown(void)
 
 FIXTURE(setup, teardown)
 
+static struct rad_source src; /* the light of the test */
+
 static void
-make_light(struct rad_source *src, enum rad_otype type, const double *reals,
-           int nreals)
+make_light(enum rad_otype type, const double *reals, int nreals)
 {
     struct rad_object o = { .type = type,
                             .modifier = RAD_VOID,
@@ -41,8 +42,8 @@ make_light(struct rad_source *src, enum rad_otype type, const double *reals,
                             .nreals = nreals,
                             .reals = reals };
 
-    memset(src, 0, sizeof *src);
-    ck_assert_int_eq(rad_light_shape(src, &o, &arena), 0);
+    memset(&src, 0, sizeof src);
+    ck_assert_int_eq(rad_light_shape(&src, &o, &arena), 0);
 }
 
 /* Irradiance per radiance on the surface at view->p with normal n. */
@@ -64,15 +65,14 @@ measure(void *arg, const struct rad_light_sample *s)
 }
 
 static double
-irradiance(const struct rad_source *src, const double p[3], const double n[3],
-           double ds, int *samples)
+irradiance(const double p[3], const double n[3], double ds, int *samples)
 {
     struct rad_light_view view = { .sizerat = ds };
     struct meter m = { .E = 0 };
 
     rad_copy(view.p, p);
     rad_copy(m.n, n);
-    rad_light_samples(src, &view, measure, &m);
+    rad_light_samples(&src, &view, measure, &m);
     if (samples)
         *samples = m.samples;
     return m.E;
@@ -80,8 +80,7 @@ irradiance(const struct rad_source *src, const double p[3], const double n[3],
 
 /* Mean of many jittered lookings. */
 static double
-irradiance_jittered(const struct rad_source *src, const double p[3],
-                    const double n[3], double ds, int times)
+irradiance_jittered(const double p[3], const double n[3], double ds, int times)
 {
     struct rad_light_view view = { .sizerat = ds, .jitter = 1 };
     struct meter m = { .E = 0 };
@@ -90,7 +89,7 @@ irradiance_jittered(const struct rad_source *src, const double p[3],
     rad_copy(m.n, n);
     for (int i = 0; i < times; i++) {
         view.key = rad_key_branch(1, (uint64_t)i);
-        rad_light_samples(src, &view, measure, &m);
+        rad_light_samples(&src, &view, measure, &m);
     }
     return m.E / times;
 }
@@ -129,14 +128,12 @@ static const double place[][3] = {
 
 LOOP_TEST(divided_polygon_gives_the_closed_form, N_ELEM(polygon))
 {
-    struct rad_source src;
-
-    make_light(&src, RAD_POLYGON, polygon[_i].v, 3 * polygon[_i].n);
+    make_light(RAD_POLYGON, polygon[_i].v, 3 * polygon[_i].n);
     ck_assert_double_eq_tol(src.size, polygon[_i].area, 1e-12);
     ck_assert_double_eq_tol(src.root.area, polygon[_i].area, 1e-12);
     for (int k = 0; k < N_ELEM(place); k++) {
         double want = lambert(polygon[_i].v, polygon[_i].n, place[k], up);
-        double got = irradiance(&src, place[k], up, .2, NULL);
+        double got = irradiance(place[k], up, .2, NULL);
         double tol = src.tree ? 1e-5 : 1e-3; /* the outline's, or moments' */
 
         ck_assert_msg(fabs(got - want) <= tol * want, "%s at %d: %g, not %g",
@@ -146,12 +143,10 @@ LOOP_TEST(divided_polygon_gives_the_closed_form, N_ELEM(polygon))
 
 LOOP_TEST(jittered_polygon_gives_the_closed_form_in_the_mean, N_ELEM(polygon))
 {
-    struct rad_source src;
-
-    make_light(&src, RAD_POLYGON, polygon[_i].v, 3 * polygon[_i].n);
+    make_light(RAD_POLYGON, polygon[_i].v, 3 * polygon[_i].n);
     for (int k = 0; k < N_ELEM(place); k++) {
         double want = lambert(polygon[_i].v, polygon[_i].n, place[k], up);
-        double got = irradiance_jittered(&src, place[k], up, .5, 20000);
+        double got = irradiance_jittered(place[k], up, .5, 20000);
 
         ck_assert_msg(fabs(got - want) <= 1e-2 * want, "%s at %d: %g, not %g",
                       polygon[_i].name, k, got, want);
@@ -161,26 +156,23 @@ LOOP_TEST(jittered_polygon_gives_the_closed_form_in_the_mean, N_ELEM(polygon))
 /* Undivided, a polygon counts as a small one at its middle, as in rpict. */
 TEST(undivided_polygon_is_one_sample_at_its_middle)
 {
-    struct rad_source src;
     int samples;
 
-    make_light(&src, RAD_POLYGON, square, 12);
-    ck_assert_double_eq_tol(irradiance(&src, place[0], up, 0, &samples), 1,
-                            1e-12);
+    make_light(RAD_POLYGON, square, 12);
+    ck_assert_double_eq_tol(irradiance(place[0], up, 0, &samples), 1, 1e-12);
     ck_assert_int_eq(samples, 1);
     double x = 3, d2 = x * x + 1 + 4;
 
-    ck_assert_double_eq_tol(irradiance(&src, place[2], up, 0, &samples),
+    ck_assert_double_eq_tol(irradiance(place[2], up, 0, &samples),
                             4 * 4 / (d2 * d2), 1e-12);
 }
 
 TEST(aims_are_on_the_light)
 {
-    struct rad_source src;
     const struct rad_polytree *t;
 
     for (int i = 0; i < N_ELEM(polygon); i++) {
-        make_light(&src, RAD_POLYGON, polygon[i].v, 3 * polygon[i].n);
+        make_light(RAD_POLYGON, polygon[i].v, 3 * polygon[i].n);
         t = src.tree;
         if (!t)
             continue;
@@ -196,14 +188,12 @@ TEST(aims_are_on_the_light)
  * the others. */
 TEST(an_outline_has_the_polygons_edges_alone)
 {
-    struct rad_source src;
-
     for (int i = 0; i < N_ELEM(polygon); i++) {
-        make_light(&src, RAD_POLYGON, polygon[i].v, 3 * polygon[i].n);
+        make_light(RAD_POLYGON, polygon[i].v, 3 * polygon[i].n);
         if (src.tree)
             ck_assert_int_le(src.tree->nedges, polygon[i].n);
     }
-    make_light(&src, RAD_POLYGON, frame, 3 * 10);
+    make_light(RAD_POLYGON, frame, 3 * 10);
     ck_assert_int_eq(src.tree->nedges, 10);
     for (int k = 0; k < 2; k++)
         ck_assert_int_lt(src.tree->kid[k]->nedges, 3 * 4);
@@ -224,13 +214,12 @@ LOOP_TEST(divided_ring_gives_the_closed_form, N_ELEM(ring))
     double a[8] = { 0, 0, 2, 0, 0, -3, ring[_i].r0, ring[_i].r1 };
     double want = lambert_disk(ring[_i].r1, ring[_i].x, h) -
                   lambert_disk(ring[_i].r0, ring[_i].x, h);
-    struct rad_source src;
 
-    make_light(&src, RAD_RING, a, 8);
-    double got = irradiance(&src, p, up, .2, NULL);
+    make_light(RAD_RING, a, 8);
+    double got = irradiance(p, up, .2, NULL);
 
     ck_assert_msg(fabs(got - want) <= 1e-5 * want, "%g, not %g", got, want);
-    got = irradiance_jittered(&src, p, up, .5, 100000);
+    got = irradiance_jittered(p, up, .5, 100000);
     ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
 }
 
@@ -258,9 +247,8 @@ LOOP_TEST(parts_of_a_ring_are_aimed_at, N_ELEM(ring))
     double a[8] = { 0, 0, 2, 0, 0, -3, ring[_i].r0, ring[_i].r1 };
     struct on_ring m = { { ring[_i].x, 0, 2 - ring[_i].h }, a[6], a[7], 0 };
     struct rad_light_view view = { .p = { m.p[0], 0, m.p[2] } };
-    struct rad_source src;
 
-    make_light(&src, RAD_RING, a, 8);
+    make_light(RAD_RING, a, 8);
     for (view.sizerat = 1; view.sizerat > .1; view.sizerat *= .8)
         rad_light_samples(&src, &view, aim_is_on_ring, &m);
     ck_assert_int_gt(m.samples, 10);
@@ -273,14 +261,13 @@ TEST(sphere_gives_the_closed_form)
     static const double a[] = { 1, 0, 3, 1.5 };
     const double p[3] = { 0, 0, 0 };
     double want = M_PI * 2.25 / 10 * 3 / sqrt(10);
-    struct rad_source src;
 
-    make_light(&src, RAD_SPHERE, a, 4);
-    ck_assert_double_eq_tol(irradiance(&src, p, up, 0, NULL), want, 1e-12);
-    ck_assert_double_eq_tol(irradiance(&src, p, up, .2, NULL), want, 1e-12);
-    ck_assert_double_eq_tol(irradiance_jittered(&src, p, up, 0, 100000), want,
+    make_light(RAD_SPHERE, a, 4);
+    ck_assert_double_eq_tol(irradiance(p, up, 0, NULL), want, 1e-12);
+    ck_assert_double_eq_tol(irradiance(p, up, .2, NULL), want, 1e-12);
+    ck_assert_double_eq_tol(irradiance_jittered(p, up, 0, 100000), want,
                             2e-3 * want);
-    ck_assert_double_eq(irradiance(&src, a, up, 0, NULL), 0);
+    ck_assert_double_eq(irradiance(a, up, 0, NULL), 0);
 }
 
 /* A thin cylinder along x at height h, centred above the point: the integral
@@ -291,13 +278,12 @@ TEST(cylinder_gives_the_closed_form)
     double a[7] = { -L, 0, h, L, 0, h, r };
     const double p[3] = { 0, 0, 0 };
     double want = 2 * r * (L / (h * h + L * L) + atan(L / h) / h);
-    struct rad_source src;
 
-    make_light(&src, RAD_CYLINDER, a, 7);
-    double got = irradiance(&src, p, up, .2, NULL);
+    make_light(RAD_CYLINDER, a, 7);
+    double got = irradiance(p, up, .2, NULL);
 
     ck_assert_msg(fabs(got - want) <= 2e-3 * want, "%g, not %g", got, want);
-    got = irradiance_jittered(&src, p, up, .5, 20000);
+    got = irradiance_jittered(p, up, .5, 20000);
     ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
 }
 
@@ -312,7 +298,6 @@ LOOP_TEST(thick_cylinder_is_exact, N_ELEM(thick))
 {
     double a[7] = { -1, 0, 2, 1, 0, 2, .6 }, E = 0;
     const double *p = thick[_i];
-    struct rad_source src;
     int n = 1000, samples;
 
     for (int i = 0; i < n; i++)
@@ -326,11 +311,10 @@ LOOP_TEST(thick_cylinder_is_exact, N_ELEM(thick))
                 E += d[2] * facing / (d2 * d2);
         }
     E *= 2. / n * 2 * M_PI * .6 / n;
-    make_light(&src, RAD_CYLINDER, a, 7);
-    ck_assert_double_eq_tol(irradiance(&src, p, up, .2, &samples), E, 2e-4 * E);
+    make_light(RAD_CYLINDER, a, 7);
+    ck_assert_double_eq_tol(irradiance(p, up, .2, &samples), E, 2e-4 * E);
     ck_assert_int_le(samples, 64);
-    ck_assert_double_eq_tol(irradiance_jittered(&src, p, up, .5, 50000), E,
-                            1e-2 * E);
+    ck_assert_double_eq_tol(irradiance_jittered(p, up, .5, 50000), E, 1e-2 * E);
 }
 
 /* The ray meets the wall of the cylinder of thick_cylinder_is_exact from
@@ -351,9 +335,8 @@ LOOP_TEST(parts_of_a_cylinder_are_aimed_at, N_ELEM(thick))
     double a[7] = { -1, 0, 2, 1, 0, 2, .6 };
     double p[3] = { thick[_i][0], thick[_i][1], thick[_i][2] };
     struct rad_light_view view = { .p = { p[0], p[1], p[2] } };
-    struct rad_source src;
 
-    make_light(&src, RAD_CYLINDER, a, 7);
+    make_light(RAD_CYLINDER, a, 7);
     for (view.sizerat = 1; view.sizerat > .1; view.sizerat *= .8)
         rad_light_samples(&src, &view, aim_is_on_wall, p);
 }
@@ -395,9 +378,8 @@ LOOP_TEST(jitter_is_even_about_the_middle, N_ELEM(jittered))
 {
     struct rad_light_view view = { .jitter = jittered[_i].jitter };
     double sum[4] = { 0 };
-    struct rad_source src;
 
-    make_light(&src, jittered[_i].type, jittered[_i].a, jittered[_i].n);
+    make_light(jittered[_i].type, jittered[_i].a, jittered[_i].n);
     for (int i = 0; i < 20000; i++) {
         view.key = rad_key_branch(1, (uint64_t)i);
         rad_light_samples(&src, &view, sum_place, sum);
@@ -452,10 +434,9 @@ static const struct {
 /* From half the lamp's width to 20 times it, in all directions. */
 LOOP_TEST(flux_is_exact_with_no_more_samples_than_a_square_takes, N_ELEM(lamp))
 {
-    struct rad_source src;
     double worst = 0, u[3] = { 0, 0, 0 }, v[3] = { 0, 0, 0 };
 
-    make_light(&src, lamp[_i].type, lamp[_i].a, lamp[_i].n);
+    make_light(lamp[_i].type, lamp[_i].a, lamp[_i].n);
     u[0] = v[1] = sqrt(src.size) / 2;
     for (double far = .5; far < 20; far *= 2) {
         long ours = 0, theirs = 0;
@@ -474,8 +455,8 @@ LOOP_TEST(flux_is_exact_with_no_more_samples_than_a_square_takes, N_ELEM(lamp))
             else
                 want = lambert_disk(lamp[_i].a[7], d * s, d * c) -
                        lambert_disk(lamp[_i].a[6], d * s, d * c);
-            worst = fmax(
-                worst, fabs(irradiance(&src, p, up, .2, &samples) / want - 1));
+            worst =
+                fmax(worst, fabs(irradiance(p, up, .2, &samples) / want - 1));
             ours += samples;
             theirs += rpict_parts(p, 64, src.centre, u, v, .2);
         }
@@ -492,13 +473,12 @@ LOOP_TEST(few_parts_of_a_near_parallelogram_have_its_flux, 2)
     static const double near[][3] = {
         { 0, 0, 1.9 }, { .7, -.4, 1.5 }, { -.9, .9, 1.99 }, { 3, 1, 1.9 }
     };
-    struct rad_source src;
 
-    make_light(&src, RAD_POLYGON, _i ? oblong : square, 12);
+    make_light(RAD_POLYGON, _i ? oblong : square, 12);
     for (int k = 0; k < N_ELEM(near); k++)
         for (double ds = .3; ds < 1e6; ds *= 2) {
             double want = lambert(_i ? oblong : square, 4, near[k], up);
-            double got = irradiance(&src, near[k], up, ds, NULL);
+            double got = irradiance(near[k], up, ds, NULL);
 
             ck_assert_msg(fabs(got - want) <= 1e-2 * want,
                           "%g, not %g, at %d by -ds %g", got, want, k, ds);
@@ -510,9 +490,8 @@ LOOP_TEST(disk_next_to_its_edge_has_its_flux, 2)
 {
     double a[8] = { 0, 0, 2, 0, 0, -1, _i ? .5 : 0, 1 };
     struct rad_light_view view = { .sizerat = 10, .up = up };
-    struct rad_source src;
 
-    make_light(&src, RAD_RING, a, 8);
+    make_light(RAD_RING, a, 8);
     for (double q = .99; q < 1.01; q += .002) {
         struct meter m = { .n = { 0, 0, 1 } };
         double want = lambert_disk(1, q, .002);
@@ -533,13 +512,12 @@ TEST(undivided_ring_is_aimed_at)
     double a[8] = { 0, 0, 2, 0, 0, -1, .5, 1 };
     const double p[3] = { 0, 0, 0 };
     struct rad_light_view view = { .p = { 0, 0, 0 } };
-    struct rad_source src;
     double sum[4] = { 0 };
     int samples;
 
-    make_light(&src, RAD_RING, a, 8);
-    ck_assert_double_eq_tol(irradiance(&src, p, up, 0, &samples),
-                            M_PI * .75 / 4, 1e-12);
+    make_light(RAD_RING, a, 8);
+    ck_assert_double_eq_tol(irradiance(p, up, 0, &samples), M_PI * .75 / 4,
+                            1e-12);
     ck_assert_int_eq(samples, 1);
     rad_light_samples(&src, &view, sum_place, sum);
     ck_assert(sum[2] > .25 && sum[2] < 1); /* its squared radius */
@@ -552,11 +530,10 @@ LOOP_TEST(parts_above_the_horizon_have_all_their_flux, 2)
     const double p[3] = { 0, 0, 0 };
     struct rad_light_view view = { .sizerat = .2, .up = up };
     struct meter m = { .n = { 0, 0, 1 } };
-    struct rad_source src;
 
-    make_light(&src, RAD_RING, a, 8);
+    make_light(RAD_RING, a, 8);
     rad_light_samples(&src, &view, measure, &m);
-    ck_assert_double_eq_tol(m.E, irradiance(&src, p, up, .2, NULL), 1e-12);
+    ck_assert_double_eq_tol(m.E, irradiance(p, up, .2, NULL), 1e-12);
 }
 
 static void
@@ -582,7 +559,6 @@ LOOP_TEST(what_is_below_the_horizon_gives_nothing, 3)
             double s = (1 + z) / 2; /* half the width at the horizon */
             double top[9] = { d, -s, 0, d, 0, z + 1, d, s, 0 };
             struct meter m = { .n = { 0, 0, 1 } };
-            struct rad_source src;
             const double p0[3] = { 0, 0, 0 };
 
             for (int i = 0; _i < 2 && i < n; i++)
@@ -598,7 +574,7 @@ LOOP_TEST(what_is_below_the_horizon_gives_nothing, 3)
             E *= M_PI * (1 - r0 * r0) / n / n;
             if (_i == 2)
                 E = lambert(top, 3, p0, up);
-            make_light(&src, _i == 2 ? RAD_POLYGON : RAD_RING, _i == 2 ? t : a,
+            make_light(_i == 2 ? RAD_POLYGON : RAD_RING, _i == 2 ? t : a,
                        _i == 2 ? 9 : 8);
             rad_light_samples(&src, &view, aim_is_up, &m);
             ck_assert_double_eq_tol(m.E, fabs(E), 1e-3 * fabs(E));
@@ -609,13 +585,12 @@ TEST(flat_light_has_a_dark_side)
 {
     static const double behind[3] = { 0, 0, 3 }, in_plane[3] = { 3, 0, 2 };
     const double down[3] = { 0, 0, -1 };
-    struct rad_source src;
     int samples;
 
-    make_light(&src, RAD_POLYGON, square, 12);
-    irradiance(&src, behind, down, .2, &samples);
+    make_light(RAD_POLYGON, square, 12);
+    irradiance(behind, down, .2, &samples);
     ck_assert_int_eq(samples, 0);
-    irradiance(&src, in_plane, down, 0, &samples);
+    irradiance(in_plane, down, 0, &samples);
     ck_assert_int_eq(samples, 0);
 }
 
@@ -624,14 +599,13 @@ TEST(scale_changes_nothing)
 {
     static const double scale[] = { 1e-6, 1, 1e9 };
     double v[30], p[3], first = 0;
-    struct rad_source src;
 
     for (int i = 0; i < N_ELEM(scale); i++) {
         for (int k = 0; k < 30; k++)
             v[k] = frame[k] * scale[i];
         rad_scale(p, scale[i], place[2]);
-        make_light(&src, RAD_POLYGON, v, 30);
-        double E = irradiance(&src, p, up, .2, NULL);
+        make_light(RAD_POLYGON, v, 30);
+        double E = irradiance(p, up, .2, NULL);
 
         if (i == 0)
             first = E;
@@ -644,17 +618,16 @@ TEST(spot_keeps_to_its_cone)
     /* 60 degrees about straight down, focus 2 behind */
     static const double a[7] = { 1, 1, 1, 60, 0, 0, -2 };
     const double in[3] = { 1, 0, 0 }, out[3] = { 1.3, 0, 0 };
-    struct rad_source src;
 
-    make_light(&src, RAD_RING, (double[]){ 0, 0, 2, 0, 0, -1, 0, .01 }, 8);
+    make_light(RAD_RING, (double[]){ 0, 0, 2, 0, 0, -1, 0, .01 }, 8);
     ck_assert(rad_spot_init(&src.spot, a));
-    double bare = irradiance(&src, in, up, 0, NULL), d = sqrt(5);
+    double bare = irradiance(in, up, 0, NULL), d = sqrt(5);
 
     src.flags |= RAD_LIGHT_SPOT;
     rad_light_set_apex(&src);
-    ck_assert_double_eq_tol(irradiance(&src, in, up, 0, NULL),
+    ck_assert_double_eq_tol(irradiance(in, up, 0, NULL),
                             bare * d * d / ((d + 2) * (d + 2)), 1e-12);
-    ck_assert_double_eq(irradiance(&src, out, up, 0, NULL), 0);
+    ck_assert_double_eq(irradiance(out, up, 0, NULL), 0);
     ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 0, 0, 0, 1 }));
     ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 9, 0, 0, 0 }));
 }
@@ -662,20 +635,19 @@ TEST(spot_keeps_to_its_cone)
 TEST(what_a_cone_cannot_light_is_known_early)
 {
     static const double a[7] = { 1, 1, 1, 60, .3, 0, -2 };
-    struct rad_source src;
     int lit = 0;
 
-    make_light(&src, RAD_RING, (double[]){ 0, 0, 2, 0, 0, -1, 0, .5 }, 8);
+    make_light(RAD_RING, (double[]){ 0, 0, 2, 0, 0, -1, 0, .5 }, 8);
     ck_assert(rad_spot_init(&src.spot, a));
     src.flags |= RAD_LIGHT_SPOT;
     for (int i = 0; i < 3000; i++) {
         double p[3] = { .002 * i - 3, .0007 * (i % 200), .0006 * i };
 
         src.apex = INFINITY;
-        double E = irradiance(&src, p, up, .1, NULL);
+        double E = irradiance(p, up, .1, NULL);
 
         rad_light_set_apex(&src);
-        ck_assert_double_eq(irradiance(&src, p, up, .1, NULL), E);
+        ck_assert_double_eq(irradiance(p, up, .1, NULL), E);
         lit += E > 0;
     }
     ck_assert_int_gt(lit, 500);
@@ -690,8 +662,8 @@ TEST(no_area_and_cones_are_no_light)
                             .name = "lamp",
                             .nreals = 9,
                             .reals = (double[]){ 0, 0, 0, 1, 1, 1, 2, 2, 2 } };
-    struct rad_source src = { .obj = 0 };
 
+    memset(&src, 0, sizeof src);
     ck_assert_int_eq(rad_light_shape(&src, &o, &arena), 1);
     o.type = RAD_CONE; /* with radii that differ, or it is a cylinder */
     o.nreals = 8;

@@ -23,30 +23,46 @@ evaluate(const char *file, const char *text, enum rad_calc_fault *fault)
 {
     struct rad_error err = { 0 };
     struct rad_calc_input in = { channel, args, N_ELEM(args) };
-    struct rad_calc *c = rad_calc_new(&err);
+    struct rad_calc *calc = rad_calc_new(&err);
     struct rad_calc_env *env;
     int context, at;
     double v;
 
-    ck_assert_msg(c != NULL, "%s: %s", err.where, err.what);
+    ck_assert_msg(calc != NULL, "%s: %s", err.where, err.what);
     for (int i = 0; i < RAD_CALC_NCHANNELS; i++)
         channel[i] = i + 1;
-    context = rad_calc_context(c, file ? "test.cal" : ".", &err);
+    context = rad_calc_context(calc, file ? "test.cal" : ".", &err);
     ck_assert_int_ge(context, 0);
     if (file)
-        rad_calc_read(c, context, "test.cal", file, strlen(file), &err);
-    at = rad_calc_expression(c, context, text, &err);
+        rad_calc_read(calc, context, "test.cal", file, strlen(file), &err);
+    at = rad_calc_expression(calc, context, text, &err);
     ck_assert_msg(at >= 0 && !err.code, "%s: %s: %s", text, err.where,
                   err.what);
-    env = rad_calc_env_new(c);
+    env = rad_calc_env_new(calc);
     ck_assert_ptr_nonnull(env);
     rad_calc_begin(env, &in);
-    v = rad_calc_eval(c, at, env, fault);
-    ck_assert(rad_calc_eval(c, at, env, fault) == v);
+    v = rad_calc_eval(calc, at, env, fault);
+    ck_assert(rad_calc_eval(calc, at, env, fault) == v);
     rad_calc_env_free(env);
-    rad_calc_free(c);
+    rad_calc_free(calc);
     return v;
 }
+
+static struct rad_calc *c;
+
+static void
+set_up(void)
+{
+    c = rad_calc_new(NULL);
+}
+
+static void
+tear_down(void)
+{
+    rad_calc_free(c);
+}
+
+FIXTURE(set_up, tear_down)
 
 static const struct {
     const char *file, *name;
@@ -69,7 +85,6 @@ LOOP_TEST(function_is_called_by_its_name, N_ELEM(called))
     static const double value[] = { 7, 11, 13 };
     const char *file = called[_i].file, *name = called[_i].name;
     struct rad_calc_input in = { channel, args, N_ELEM(args) };
-    struct rad_calc *c = rad_calc_new(NULL);
     int context = rad_calc_context(c, "test.cal", NULL), f;
     enum rad_calc_fault fault;
     struct rad_calc_env *env;
@@ -88,7 +103,6 @@ LOOP_TEST(function_is_called_by_its_name, N_ELEM(called))
                             called[_i].value, 1e-9);
     ck_assert_int_eq(fault, RAD_CALC_SOUND);
     rad_calc_env_free(env);
-    rad_calc_free(c);
 }
 
 static const double blues[] = { 3, -2, 0, -0., INFINITY, -INFINITY, NAN };
@@ -97,7 +111,6 @@ static const double blues[] = { 3, -2, 0, -0., INFINITY, -INFINITY, NAN };
 LOOP_TEST(value_of_a_colour_is_not_negative, N_ELEM(blues))
 {
     static const char text[] = "f(r,g,b)=noneg(noop(b));";
-    struct rad_calc *c = rad_calc_new(NULL);
     int context = rad_calc_context(c, "test.cal", NULL), blue, f;
     double value[3] = { 7, -7, blues[_i] }, v, w;
     enum rad_calc_fault fault, same;
@@ -117,13 +130,11 @@ LOOP_TEST(value_of_a_colour_is_not_negative, N_ELEM(blues))
     ck_assert(v == w && fault == same);
     ck_assert(v == (blues[_i] == 3 ? 3 : 0));
     rad_calc_env_free(env);
-    rad_calc_free(c);
 }
 
 /* What calls are about takes no memory for each of them. */
 TEST(argument_of_calls_in_calls_is_there_once)
 {
-    struct rad_calc *c = rad_calc_new(NULL);
     int context = rad_calc_context(c, "test.cal", NULL);
     char *text = malloc(1 << 20), *p = text;
     struct rusage before, after;
@@ -145,7 +156,6 @@ TEST(argument_of_calls_in_calls_is_there_once)
         0);
     getrusage(RUSAGE_SELF, &after);
     ck_assert_int_lt(after.ru_maxrss - before.ru_maxrss, 64 << 10); /* KiB */
-    rad_calc_free(c);
     free(text);
 }
 
@@ -164,7 +174,6 @@ static const struct {
 LOOP_TEST(what_is_no_function_is_not_called, N_ELEM(uncalled))
 {
     const char *file = uncalled[_i].file;
-    struct rad_calc *c = rad_calc_new(NULL);
     int context = rad_calc_context(c, "test.cal", NULL);
     struct rad_error err = { 0 };
 
@@ -173,7 +182,6 @@ LOOP_TEST(what_is_no_function_is_not_called, N_ELEM(uncalled))
                      RAD_EDATA);
     ck_assert_msg(strstr(err.what, uncalled[_i].problem) != NULL, "%s",
                   err.what);
-    rad_calc_free(c);
 }
 
 /* A luminaire of 2 by 3 by 4, or 2 across and 3 high, of multiplier 10, seen
@@ -210,7 +218,6 @@ LOOP_TEST(luminaire_is_corrected_for_its_shape, N_ELEM(luminaire))
 {
     static const double sizes[] = { 10, 2, 3, 4 };
     struct rad_calc_input in = { channel, sizes, N_ELEM(sizes) };
-    struct rad_calc *c = rad_calc_new(NULL);
     int at = rad_calc_expression(c, rad_calc_context(c, ".", NULL),
                                  luminaire[_i].text, NULL);
     struct rad_calc_env *env;
@@ -230,7 +237,6 @@ LOOP_TEST(luminaire_is_corrected_for_its_shape, N_ELEM(luminaire))
                             luminaire[_i].value, 1e-9);
     ck_assert_int_eq(fault, RAD_CALC_SOUND);
     rad_calc_env_free(env);
-    rad_calc_free(c);
 }
 
 static const struct {
@@ -369,7 +375,6 @@ LOOP_TEST(names_are_found_in_their_scope, N_ELEM(scoped))
 TEST(files_do_not_see_each_others_names)
 {
     struct rad_error err = { 0 };
-    struct rad_calc *c = rad_calc_new(&err);
     int a = rad_calc_context(c, "lib/a.cal", &err);
     int b = rad_calc_context(c, "b.cal", &err);
 
@@ -380,7 +385,6 @@ TEST(files_do_not_see_each_others_names)
     ck_assert_int_ge(rad_calc_expression(c, a, "own", &err), 0);
     ck_assert_int_eq(rad_calc_expression(c, b, "own", &err), RAD_EDATA);
     ck_assert_str_eq(err.what, "undefined variable 'own'");
-    rad_calc_free(c);
 }
 
 static const struct {
@@ -491,7 +495,6 @@ LOOP_TEST(what_a_call_gives_is_kept_for_a_ray, N_ELEM(shared))
         "f(x) = x*Dx; g(x) = max(x*Dx,0); h(x) = log(-x*Dx);";
     double dx[RAD_CALC_NCHANNELS] = { 1 }, real[] = { 2, -3 };
     struct rad_calc_input in = { dx, real, 2 };
-    struct rad_calc *c = rad_calc_new(NULL);
     struct rad_calc_env *e;
     enum rad_calc_fault fault;
     int context = rad_calc_context(c, "x.cal", NULL), pc[2];
@@ -517,7 +520,6 @@ LOOP_TEST(what_a_call_gives_is_kept_for_a_ray, N_ELEM(shared))
         }
     }
     rad_calc_env_free(e);
-    rad_calc_free(c);
 }
 
 /* 16384 values have room on the stack.  Each of 3275 calls leaves five there,
@@ -529,7 +531,6 @@ LOOP_TEST(value_that_is_kept_is_not_pushed_beyond_the_end_of_the_stack, 12)
         "deep(n,x) = if(n, n+(n+(n+(n+(n+deep(n-1,x))))), n+x);";
     double dx[RAD_CALC_NCHANNELS] = { 1 }, real[] = { 1 };
     struct rad_calc_input in = { dx, real, 1 };
-    struct rad_calc *c = rad_calc_new(NULL);
     int context = rad_calc_context(c, "x.cal", NULL), pc;
     struct rad_calc_env *e;
     enum rad_calc_fault fault;
@@ -551,7 +552,6 @@ LOOP_TEST(value_that_is_kept_is_not_pushed_beyond_the_end_of_the_stack, 12)
     ck_assert_int_eq(fault, _i < 7 ? RAD_CALC_SOUND : RAD_CALC_DEPTH);
     ck_assert_double_eq(v, _i < 7 ? 5 * 3275 * 3276 / 2 + 6 + _i : 0);
     rad_calc_env_free(e);
-    rad_calc_free(c);
 }
 
 LOOP_TEST(fault_is_told_and_bounded, N_ELEM(faulty))
@@ -587,7 +587,6 @@ static const struct {
 LOOP_TEST(bad_text_is_refused_with_its_line, N_ELEM(bad))
 {
     struct rad_error err = { 0 };
-    struct rad_calc *c = rad_calc_new(&err);
     int context = rad_calc_context(c, "bad.cal", &err);
 
     ck_assert_int_eq(rad_calc_read(c, context, "bad.cal", bad[_i].text,
@@ -595,14 +594,12 @@ LOOP_TEST(bad_text_is_refused_with_its_line, N_ELEM(bad))
                      RAD_EDATA);
     ck_assert_str_eq(err.where, bad[_i].where);
     ck_assert_str_eq(err.what, bad[_i].what);
-    rad_calc_free(c);
 }
 
 TEST(undefined_name_is_refused_where_it_is_used)
 {
     static const char text[] = "a = 1;\nb = a+nope;\nc = 2;";
     struct rad_error err = { 0 };
-    struct rad_calc *c = rad_calc_new(&err);
     int context = rad_calc_context(c, "bad.cal", &err);
 
     ck_assert_int_eq(
@@ -611,13 +608,11 @@ TEST(undefined_name_is_refused_where_it_is_used)
     ck_assert_int_eq(rad_calc_expression(c, context, "b", &err), RAD_EDATA);
     ck_assert_str_eq(err.where, "bad.cal:2");
     ck_assert_str_eq(err.what, "undefined variable 'nope'");
-    rad_calc_free(c);
 }
 
 /* Deep and long input must not reach the end of C's stack. */
 TEST(expression_is_compiled_once_while_names_mean_the_same)
 {
-    struct rad_calc *c = rad_calc_new(NULL);
     int a = rad_calc_context(c, "a.cal", NULL);
     int b = rad_calc_context(c, "b.cal", NULL);
     struct rad_calc_compiled first, again, other;
@@ -641,7 +636,6 @@ TEST(expression_is_compiled_once_while_names_mean_the_same)
     ck_assert(again.is_number && again.number == 5);
     ck_assert_int_lt(rad_calc_compile(c, a, "k+", &again, NULL), 0);
     ck_assert_int_lt(rad_calc_compile(c, a, "k+", &again, NULL), 0);
-    rad_calc_free(c);
 }
 
 /* What a program writes that knows no data files. */
@@ -662,7 +656,6 @@ TEST(nesting_is_bounded)
 {
     static char text[400001];
     struct rad_error err = { 0 };
-    struct rad_calc *c = rad_calc_new(&err);
 
     memset(text, '(', 400000);
     ck_assert_int_eq(rad_calc_expression(c, 0, text, &err), RAD_EDATA);
@@ -676,7 +669,6 @@ TEST(nesting_is_bounded)
         memcpy(text + i, "T^", 2);
     err = (struct rad_error){ 0 };
     ck_assert_int_eq(rad_calc_expression(c, 0, text, &err), RAD_EDATA);
-    rad_calc_free(c);
 }
 
 /* Noise is 0 on the lattice, and its slope along an axis there is the gradient
