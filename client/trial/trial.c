@@ -255,14 +255,12 @@ look_again(struct trial *t, struct stand *s, const struct rad_window *w,
         w->width,  w->height, (const struct rad_pixel *const *)rows
     };
     struct rad_counts before = s->ctx.counts;
-    double begin = cpu_seconds();
     int rc = 0;
 
     if (is_frozen(s)) /* its pixels with smoothed records */
         rc = rad_frame_window(&s->frame, &s->ctx, w, rows);
     if (rc == 0)
         rad_doubt_look_at_window(&shown, &s->ctx, &share, NULL, &t->doubt);
-    t->look_cpu_s += cpu_seconds() - begin;
     s->ctx.counts = before;
     return rc;
 }

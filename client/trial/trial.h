@@ -27,8 +27,7 @@ struct trial {
     /* of their lower halves, and of the upper ones as much as the picture has
      * such a top: there as many pixels are traced as in the picture */
     double usual_pixels, usual_primary;
-    double look_cpu_s; /* for making some pixels of the windows again */
-    struct rad_doubt doubt; /* sums over these pixels */
+    struct rad_doubt doubt; /* sums over pixels of the windows, made again */
 };
 
 /* The prediction for a picture, or for all frames. */

@@ -2,7 +2,7 @@
  *
  * A job, for its users (enum job_state):
  *
- *                .-----resume, once a unit went out-----.
+ *                .-resume, once a tile or unit was out--.
  *                v                                      |
  *   WAITING --> RUNNING ------------pause----------> PAUSED
  *      ^ |  a unit, a tile or an                       ^ |

@@ -140,7 +140,7 @@ struct job {
     uint64_t offer_ms;      /* radsubmit began to send files */
     uint64_t submit_ms;     /* SUBMIT came */
     uint64_t open_ms;       /* the job was accepted */
-    uint64_t first_ms;      /* the first unit went out; 0: none yet */
+    uint64_t first_ms;      /* the first tile or unit went out; 0: not yet */
     uint64_t last_ms;       /* the last row was kept */
     uint64_t end_ms, over_ms; /* the job was over; that as a date (desk.h) */
 };

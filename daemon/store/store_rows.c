@@ -132,7 +132,8 @@ store_put_colours(struct store *s, const uint8_t job[MSG_JOB],
     task_push(&s->queue, &p->task);
 }
 
-struct cache_task {
+/* Reads the records that a job begins with, another job's first pass. */
+struct first_task {
     struct task task;
     uint8_t id[MSG_JOB];
     uint64_t sequence;
@@ -140,9 +141,9 @@ struct cache_task {
 };
 
 static int
-cache_run(struct task *t)
+first_run(struct task *t)
 {
-    struct cache_task *k = (struct cache_task *)t;
+    struct first_task *k = (struct first_task *)t;
 
     k->cache.records =
         folder_read_first(&store_of(t)->folder, k->id, &k->cache.len, &t->err);
@@ -150,9 +151,9 @@ cache_run(struct task *t)
 }
 
 static void
-cache_done(struct task *t)
+first_done(struct task *t)
 {
-    struct cache_task *k = (struct cache_task *)t;
+    struct first_task *k = (struct first_task *)t;
     struct store *s = store_of(t);
 
     k->cache.status = status_of(t);
@@ -167,7 +168,7 @@ cache_done(struct task *t)
 void
 store_load_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
 {
-    struct cache_task *k = store_new_task(s, sizeof *k, cache_run, cache_done);
+    struct first_task *k = store_new_task(s, sizeof *k, first_run, first_done);
 
     memcpy(k->id, job, MSG_JOB);
     k->sequence = sequence;
