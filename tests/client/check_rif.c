@@ -10,14 +10,24 @@
 #include <stdio.h>
 #include <string.h>
 
+static struct rif r;
+
 static void
-parse(struct rif *r, const char *text)
+release(void)
+{
+    rif_release(&r);
+}
+
+FIXTURE(NULL, release)
+
+static void
+parse(const char *text)
 {
     struct rad_error err = { 0 };
 
-    ck_assert_msg(rif_parse(r, "x.rif", text, strlen(text), &err) == 0,
+    ck_assert_msg(rif_parse(&r, "x.rif", text, strlen(text), &err) == 0,
                   "%s: %s", err.where, err.what);
-    ck_assert_msg(rif_check(r, &err) == 0, "%s: %s", err.where, err.what);
+    ck_assert_msg(rif_check(&r, &err) == 0, "%s: %s", err.where, err.what);
 }
 
 /* --- reading --- */
@@ -48,7 +58,6 @@ LOOP_TEST(a_line_assigns_to_its_variable, N_ELEM(reads))
     struct rad_error err = { 0 };
     const char *want = reads[_i].values;
     char all[200] = "";
-    struct rif r;
     int rc =
         rif_parse(&r, "x.rif", reads[_i].text, strlen(reads[_i].text), &err);
 
@@ -63,7 +72,6 @@ LOOP_TEST(a_line_assigns_to_its_variable, N_ELEM(reads))
         }
     }
     ck_assert_str_eq(all, want);
-    rif_release(&r);
 }
 
 static const struct {
@@ -83,10 +91,9 @@ LOOP_TEST(words_are_parted_as_by_a_shell, N_ELEM(words))
 {
     struct rad_error err = { 0 };
     char all[200] = "", **list;
-    struct rif r;
     int n;
 
-    parse(&r, words[_i].text);
+    parse(words[_i].text);
     n = rif_words(&r, RIF_SCENE, &list, &err);
     if (!words[_i].words) {
         ck_assert_int_eq(n, RAD_EDATA);
@@ -99,7 +106,6 @@ LOOP_TEST(words_are_parted_as_by_a_shell, N_ELEM(words))
         ck_assert_str_eq(all, words[_i].words);
         ck_assert_ptr_null(list[n]);
     }
-    rif_release(&r);
 }
 
 static const struct {
@@ -118,7 +124,6 @@ LOOP_TEST(a_value_is_of_its_kind, N_ELEM(wrong))
 {
     struct rad_error err = { 0 };
     char text[300];
-    struct rif r;
 
     ck_assert_int_eq(
         rif_parse(&r, "x.rif", wrong[_i].text, strlen(wrong[_i].text), &err),
@@ -126,20 +131,16 @@ LOOP_TEST(a_value_is_of_its_kind, N_ELEM(wrong))
     ck_assert_int_eq(rif_check(&r, &err), RAD_EDATA);
     rad_error_format(&err, text, sizeof text);
     ck_assert_str_eq(text, wrong[_i].message);
-    rif_release(&r);
 }
 
 TEST(the_last_value_counts_and_loses_its_quotes)
 {
-    struct rif r;
-
-    parse(&r, "PIC= a\nPIC= \"b c\"\nQUAL= low\nQUAL= h\n");
+    parse("PIC= a\nPIC= \"b c\"\nQUAL= low\nQUAL= h\n");
     ck_assert_str_eq(rif_text(&r, RIF_PICTURE), "b c");
     ck_assert_int_eq(rif_letter(&r, RIF_QUALITY, 'L'), 'H');
     ck_assert_int_eq(rif_letter(&r, RIF_DETAIL, 'M'), 'M');
     ck_assert_int_eq(rif_assign(&r, "PIC=d", NULL), 0);
     ck_assert_str_eq(rif_text(&r, RIF_PICTURE), "d");
-    rif_release(&r);
 }
 
 TEST(an_assignment_of_the_command_line_is_one)
@@ -151,16 +152,14 @@ TEST(an_assignment_of_the_command_line_is_one)
         { "QUALITY=", "'QUALITY=' after 'x.rif': expected VARIABLE=value" },
         { "X=1", "'X=1': unknown variable 'X'" },
     };
-    struct rif r;
 
-    parse(&r, "");
+    parse("");
     for (int i = 0; i < N_ELEM(bad); i++) {
         struct rad_error err = { 0 };
 
         ck_assert_int_eq(rif_assign(&r, bad[i].text, &err), RAD_EUSAGE);
         ck_assert_str_eq(err.what, bad[i].message);
     }
-    rif_release(&r);
 }
 
 TEST(a_file_has_limits)
@@ -168,7 +167,6 @@ TEST(a_file_has_limits)
     static char text[16 * (RIF_MAX_VALUES + 1)];
     struct rad_error err = { 0 };
     size_t n = 0;
-    struct rif r;
 
     for (int i = 0; i <= RIF_MAX_VALUES; i++)
         n += (size_t)sprintf(text + n, "view= v%d\n", i);
@@ -178,7 +176,6 @@ TEST(a_file_has_limits)
     err = (struct rad_error){ 0 };
     ck_assert_int_eq(rif_parse(&r, "x.rif", "a\0b", 3, &err), RAD_EDATA);
     ck_assert_str_eq(err.where, "x.rif");
-    rif_release(&r);
 }
 
 /* --- options --- */
@@ -217,14 +214,12 @@ LOOP_TEST(options_follow_from_the_scene, N_ELEM(rules))
 {
     char light[RIF_RULES_TEXT], sampling[RIF_RULES_TEXT];
     struct rif_zone z;
-    struct rif r;
 
-    parse(&r, rules[_i].text);
+    parse(rules[_i].text);
     ck_assert_int_eq(rif_zone(&r, &tree, &z, NULL), 0);
     ck_assert_int_eq(rif_rules(&r, &z, light, sampling, NULL), 0);
     ck_assert_str_eq(light, rules[_i].light);
     ck_assert_str_eq(sampling, rules[_i].sampling);
-    rif_release(&r);
 }
 
 TEST(a_zone_has_a_volume)
@@ -235,19 +230,17 @@ TEST(a_zone_has_a_volume)
     };
     struct rad_octree none = { .size = 0 };
     struct rif_zone z;
-    struct rif r;
 
     for (int i = 0; i < N_ELEM(bad); i++) {
         struct rad_error err = { 0 };
 
-        parse(&r, bad[i]);
+        parse(bad[i]);
         ck_assert_int_eq(rif_zone(&r, &tree, &z, &err), RAD_EDATA);
         ck_assert_str_eq(err.where, "x.rif:1");
         rif_release(&r);
     }
-    parse(&r, "");
+    parse("");
     ck_assert_int_eq(rif_zone(&r, &none, &z, NULL), RAD_EDATA);
-    rif_release(&r);
 }
 
 /* With six digits, as rad has them from getinfo; a side that these leave
@@ -259,9 +252,8 @@ TEST(without_a_zone_the_octree_is_looked_at)
     static const double org[3] = { -1.23457, 2, 1.23457e6 };
     static const double size[3] = { -0.734568 + 1.23457, 0.5, 0.5 };
     struct rif_zone z;
-    struct rif r;
 
-    parse(&r, "");
+    parse("");
     ck_assert_int_eq(rif_zone(&r, &cube, &z, NULL), 0);
     ck_assert(!z.interior);
     ck_assert_double_eq(z.cube, 0.5);
@@ -269,7 +261,6 @@ TEST(without_a_zone_the_octree_is_looked_at)
         ck_assert_double_eq(z.org[i], org[i]);
         ck_assert_double_eq_tol(z.size[i], size[i], 1e-12);
     }
-    rif_release(&r);
 }
 
 TEST(an_exposure_is_in_stops_or_a_factor)
@@ -280,10 +271,9 @@ TEST(an_exposure_is_in_stops_or_a_factor)
     } rows[] = { { "", 0 },           { "EXP= +3", 8 }, { "EXP= -1", .5 },
                  { "EXP= 2.5", 2.5 }, { "EXP= 0", -1 }, { "EXP= 1e30", -1 } };
     double factor;
-    struct rif r;
 
     for (int i = 0; i < N_ELEM(rows); i++) {
-        parse(&r, rows[i].text);
+        parse(rows[i].text);
         if (rows[i].factor < 0) {
             ck_assert_int_eq(rif_exposure(&r, &factor, NULL), RAD_EDATA);
         } else {
@@ -329,10 +319,9 @@ LOOP_TEST(views_have_names_and_options, N_ELEM(views))
     struct rif_view *list;
     char all[500] = "";
     struct rif_zone z;
-    struct rif r;
     int n;
 
-    parse(&r, views[_i].text);
+    parse(views[_i].text);
     ck_assert_int_eq(rif_zone(&r, &tree, &z, NULL), 0);
     n = rif_views(&r, &z, views[_i].which, &list, &err);
     if (!views[_i].views) {
@@ -349,7 +338,6 @@ LOOP_TEST(views_have_names_and_options, N_ELEM(views))
         }
         ck_assert_str_eq(all, views[_i].views);
     }
-    rif_release(&r);
 }
 
 TEST(a_view_names_its_file)

@@ -41,24 +41,24 @@ struct pair {
 };
 
 static void
-open_pair(struct pair *p, const char *id, const uint8_t *secret)
+open_pair(struct pair *pair, const char *id, const uint8_t *secret)
 {
-    memset(p, 0, sizeof *p);
-    p->sctx = tls_server(find, NULL);
-    p->cctx = tls_client();
-    ck_assert(p->sctx && p->cctx);
-    p->s = tls_accept(p->sctx);
-    p->c = tls_dial(p->cctx, id, secret);
-    ck_assert(p->s && p->c);
+    memset(pair, 0, sizeof *pair);
+    pair->sctx = tls_server(find, NULL);
+    pair->cctx = tls_client();
+    ck_assert(pair->sctx && pair->cctx);
+    pair->s = tls_accept(pair->sctx);
+    pair->c = tls_dial(pair->cctx, id, secret);
+    ck_assert(pair->s && pair->c);
 }
 
 static void
-close_pair(struct pair *p)
+close_pair(struct pair *pair)
 {
-    tls_free(p->s);
-    tls_free(p->c);
-    tls_ctx_free(p->sctx);
-    tls_ctx_free(p->cctx);
+    tls_free(pair->s);
+    tls_free(pair->c);
+    tls_ctx_free(pair->sctx);
+    tls_ctx_free(pair->cctx);
 }
 
 static size_t
@@ -75,21 +75,31 @@ carry(struct tls *from, struct tls *to)
 
 /* To the end of both, whatever it is. */
 static void
-shake(struct pair *p)
+shake(struct pair *pair)
 {
     for (int i = 0; i < 6; i++) {
-        if (p->crc == 0)
-            p->crc = tls_handshake(p->c, &p->cerr);
-        p->carried += carry(p->c, p->s);
-        if (p->src == 0)
-            p->src = tls_handshake(p->s, &p->serr);
-        p->carried += carry(p->s, p->c);
+        if (pair->crc == 0)
+            pair->crc = tls_handshake(pair->c, &pair->cerr);
+        pair->carried += carry(pair->c, pair->s);
+        if (pair->src == 0)
+            pair->src = tls_handshake(pair->s, &pair->serr);
+        pair->carried += carry(pair->s, pair->c);
     }
 }
 
+static struct pair p;
+
+static void
+tear_down(void)
+{
+    close_pair(&p);
+    memset(&p, 0, sizeof p);
+}
+
+FIXTURE(NULL, tear_down)
+
 TEST(who_has_the_key_gets_in)
 {
-    struct pair p;
     char text[10];
 
     open_pair(&p, "user:ana:k1", right);
@@ -107,7 +117,6 @@ TEST(who_has_the_key_gets_in)
     carry(p.c, p.s);
     ck_assert_int_eq(tls_read(p.s, text, sizeof text, NULL), 0);
     ck_assert(tls_ended(p.s));
-    close_pair(&p);
 }
 
 static const char *
@@ -124,7 +133,6 @@ find_later(void *arg, const char *id, uint8_t secret[TLS_SECRET])
  * waited for any longer. */
 LOOP_TEST(a_key_may_come_later, 2)
 {
-    struct pair p;
     int asked = 0;
 
     open_pair(&p, "peer:7", right);
@@ -154,7 +162,6 @@ LOOP_TEST(a_key_may_come_later, 2)
         ck_assert_int_eq(p.crc, RAD_EPERM);
         ck_assert_str_eq(p.cerr.what, "does not take the key 'peer:7'");
     }
-    close_pair(&p);
 }
 
 static const char *changed_why;
@@ -182,8 +189,6 @@ static const struct {
 
 LOOP_TEST(a_key_that_changes_before_it_is_proven_is_refused, N_ELEM(changes))
 {
-    struct pair p;
-
     open_pair(&p, "user:ana:k1", right);
     tls_free(p.s);
     tls_ctx_free(p.sctx);
@@ -201,7 +206,6 @@ LOOP_TEST(a_key_that_changes_before_it_is_proven_is_refused, N_ELEM(changes))
     shake(&p);
     ck_assert_int_eq(p.src, changes[_i].code);
     ck_assert_str_eq(p.serr.what, changes[_i].said);
-    close_pair(&p);
 }
 
 static const struct {
@@ -218,7 +222,7 @@ static const struct {
 /* They cannot tell what is wrong. */
 LOOP_TEST(who_has_it_not_learns_nothing, N_ELEM(strangers))
 {
-    struct pair p, q;
+    struct pair q;
     const uint8_t *a, *b;
     size_t n;
 
@@ -238,7 +242,6 @@ LOOP_TEST(who_has_it_not_learns_nothing, N_ELEM(strangers))
     carry(p.s, p.c);
     ck_assert_int_eq(tls_handshake(p.c, &p.cerr), RAD_EPERM);
     ck_assert_ptr_nonnull(strstr(p.cerr.what, "does not take the key"));
-    close_pair(&p);
     close_pair(&q);
 }
 
@@ -530,14 +533,12 @@ TEST(early_data_is_not_read)
 TEST(what_waits_is_bounded)
 {
     static uint8_t bytes[TLS_MARK];
-    struct pair p;
 
     open_pair(&p, "user:ana:k1", right);
     shake(&p);
     for (int i = 0; i < 4; i++)
         ck_assert_int_eq(tls_put(p.s, bytes, TLS_MARK / 4, NULL), 0);
     ck_assert_int_eq(tls_put(p.s, bytes, 1, NULL), RAD_EPROTO);
-    close_pair(&p);
 }
 
 LOOP_TEST(much_arrives_as_it_went_however_it_is_cut, 2)
@@ -545,7 +546,6 @@ LOOP_TEST(much_arrives_as_it_went_however_it_is_cut, 2)
     enum { TOTAL = 1 << 20 };
     static uint8_t sent[TOTAL], got[TOTAL];
     size_t step = _i == 0 ? 1000 : TLS_PIECE, have = 0;
-    struct pair p;
 
     for (size_t i = 0; i < TOTAL; i++)
         sent[i] = (uint8_t)(i * 7 + i / 251);
@@ -564,12 +564,10 @@ LOOP_TEST(much_arrives_as_it_went_however_it_is_cut, 2)
     }
     ck_assert_uint_eq(have, TOTAL);
     ck_assert_int_eq(memcmp(sent, got, TOTAL), 0);
-    close_pair(&p);
 }
 
 LOOP_TEST(a_changed_byte_is_noticed, 20)
 {
-    struct pair p;
     const uint8_t *bytes;
     uint8_t copy[200];
     char text[100];
@@ -584,7 +582,6 @@ LOOP_TEST(a_changed_byte_is_noticed, 20)
     copy[n - 1 - (size_t)_i] ^= 1;
     ck_assert_int_eq(tls_put(p.s, copy, n, NULL), 0);
     ck_assert_int_eq(tls_read(p.s, text, sizeof text, NULL), RAD_EPROTO);
-    close_pair(&p);
 }
 
 static uint32_t
@@ -596,7 +593,6 @@ next_random(uint32_t *state)
 
 LOOP_TEST(garbage_ends_a_handshake, 64)
 {
-    struct pair p;
     uint8_t bytes[2000];
     uint32_t state = (uint32_t)_i;
     int rc;
@@ -615,13 +611,11 @@ LOOP_TEST(garbage_ends_a_handshake, 64)
     ck_assert(rc < 0);
     ck_assert_int_eq(tls_read(p.s, bytes, sizeof bytes, NULL), 0);
     ck_assert_int_lt(tls_write(p.s, bytes, 5, NULL), 0);
-    close_pair(&p);
 }
 
 /* A client whose bytes are changed on the way never gets in. */
 LOOP_TEST(a_changed_handshake_fails, 64)
 {
-    struct pair p;
     const uint8_t *bytes;
     uint8_t copy[1000];
     size_t n;
@@ -643,7 +637,6 @@ LOOP_TEST(a_changed_handshake_fails, 64)
         ck_assert_int_ne(tls_handshake(p.s, NULL), 1);
     }
     ck_assert_int_ne(rc, 1);
-    close_pair(&p);
 }
 
 TEST(peers_of_one_job_have_a_key_of_their_own)

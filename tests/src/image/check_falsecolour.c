@@ -26,10 +26,22 @@ picture(int width, int height, const double *value)
     return p;
 }
 
-static const uint8_t *
-at(const struct rad_image *m, int x, int y)
+static struct rad_false_scale s;
+static struct rad_image m;
+
+static void
+tear_down(void)
 {
-    return m->rgb + 3 * ((size_t)y * (size_t)m->width + (size_t)x);
+    free(m.rgb);
+    m.rgb = NULL;
+}
+
+FIXTURE(NULL, tear_down)
+
+static const uint8_t *
+at(const struct rad_image *image, int x, int y)
+{
+    return image->rgb + 3 * ((size_t)y * (size_t)image->width + (size_t)x);
 }
 
 static int
@@ -70,7 +82,6 @@ static const struct {
 LOOP_TEST(scales_are_read_whole, N_ELEM(scales))
 {
     struct rad_error err = { 0 };
-    struct rad_false_scale s;
     int rc = rad_false_parse(&s, scales[_i].text, &err);
 
     ck_assert_int_eq(rc, scales[_i].top > 0 ? 0 : RAD_EUSAGE);
@@ -92,7 +103,6 @@ static const struct {
 LOOP_TEST(a_scale_ends_at_a_round_number, N_ELEM(tops))
 {
     double v[4000];
-    struct rad_false_scale s;
     struct rad_picture p;
 
     for (int i = 0; i < 4000; i++)
@@ -113,8 +123,6 @@ TEST(a_black_picture_decides_nothing)
 {
     static const double none[6];
     struct rad_picture p = picture(3, 2, none);
-    struct rad_false_scale s;
-    struct rad_image m;
 
     p.irradiance = true;
     ck_assert_int_eq(rad_false_parse(&s, "auto", NULL), 0);
@@ -122,16 +130,13 @@ TEST(a_black_picture_decides_nothing)
     ck_assert_str_eq(s.label, "lux");
     ck_assert_int_eq(rad_false_colour(&s, &p, &m, NULL), 0);
     ck_assert_mem_eq(at(&m, 0, 0), at(&m, 2, 1), 3);
-    free(m.rgb);
     rad_picture_release(&p);
 }
 
 TEST(brighter_is_lighter_up_to_the_end)
 {
     double v[64];
-    struct rad_false_scale s;
     struct rad_picture p;
-    struct rad_image m;
 
     for (int i = 0; i < 64; i++)
         v[i] = i * 100. / 60;
@@ -143,7 +148,6 @@ TEST(brighter_is_lighter_up_to_the_end)
         ck_assert_int_ge(light(at(&m, i, 0)), light(at(&m, i - 1, 0)));
     for (int i = 60; i < 64; i++)
         ck_assert_mem_eq(at(&m, i, 0), at(&m, 60, 0), 3);
-    free(m.rgb);
     rad_picture_release(&p);
 }
 
@@ -152,9 +156,7 @@ TEST(steps_begin_at_divisions)
 {
     static const double v[] = { 0, 9.99, 10.01, 19.99, 20.01, 79.9, 80.1, 1e6 };
     static const int step[] = { 0, 0, 1, 1, 2, 7, 7, 7 };
-    struct rad_false_scale s;
     struct rad_picture p = picture(8, 1, v);
-    struct rad_image m;
 
     ck_assert_int_eq(rad_false_parse(&s, "80,n=8,contour=steps", NULL), 0);
     rad_false_fit(&s, &p);
@@ -162,7 +164,6 @@ TEST(steps_begin_at_divisions)
     for (int i = 1; i < 8; i++)
         ck_assert((memcmp(at(&m, i, 0), at(&m, i - 1, 0), 3) == 0) ==
                   (step[i] == step[i - 1]));
-    free(m.rgb);
     rad_picture_release(&p);
 }
 
@@ -176,9 +177,7 @@ TEST(contours_part_neighbours)
     static const bool line[] = { false, false, false, false, false, true,
                                  true,  false, false, true,  true,  true,
                                  true,  true,  true,  false };
-    struct rad_false_scale s;
     struct rad_picture p = picture(16, 1, v);
-    struct rad_image m;
 
     ck_assert_int_eq(rad_false_parse(&s, "100,log=2,n=4,contour=lines", NULL),
                      0);
@@ -190,7 +189,6 @@ TEST(contours_part_neighbours)
         ck_assert_msg((c[0] != c[1] || c[1] != c[2]) == line[x], "pixel %d",
                       x);
     }
-    free(m.rgb);
     rad_picture_release(&p);
 }
 
@@ -208,25 +206,23 @@ TEST(logarithmic_contours_are_at_round_numbers)
     static const char *const modes[] = { "300,log=2,contour=lines",
                                          "300,log=2,contour=steps" };
     struct rad_picture p = picture(16, 1, v);
-    struct rad_image m[2];
+    struct rad_image drawn[2];
 
     for (int i = 0; i < 2; i++) {
-        struct rad_false_scale s;
-
         ck_assert_int_eq(rad_false_parse(&s, modes[i], NULL), 0);
         rad_false_fit(&s, &p);
-        ck_assert_int_eq(rad_false_colour(&s, &p, &m[i], NULL), 0);
+        ck_assert_int_eq(rad_false_colour(&s, &p, &drawn[i], NULL), 0);
     }
     for (int x = 0; x < 16; x++) {
-        const uint8_t *c = at(&m[0], x, 0);
+        const uint8_t *c = at(&drawn[0], x, 0);
 
         ck_assert_msg((c[0] != c[1] || c[1] != c[2]) == line[x], "pixel %d", x);
     }
     for (int x = 1; x < 16; x++)
-        ck_assert((memcmp(at(&m[1], x, 0), at(&m[1], x - 1, 0), 3) == 0) ==
-                  (step[x] == step[x - 1]));
+        ck_assert((memcmp(at(&drawn[1], x, 0), at(&drawn[1], x - 1, 0), 3) ==
+                   0) == (step[x] == step[x - 1]));
     for (int i = 0; i < 2; i++)
-        free(m[i].rgb);
+        free(drawn[i].rgb);
     rad_picture_release(&p);
 }
 
@@ -234,9 +230,7 @@ TEST(bands_are_a_fifth_of_a_division_wide)
 {
     static const double v[] = { 8.5, 9.2, 10, 10.8, 11.2, 0, .5 };
     static const bool band[] = { false, true, true, true, false, false, false };
-    struct rad_false_scale s;
     struct rad_picture p = picture(7, 1, v);
-    struct rad_image m;
 
     ck_assert_int_eq(rad_false_parse(&s, "100,contour=bands", NULL), 0);
     rad_false_fit(&s, &p);
@@ -247,7 +241,6 @@ TEST(bands_are_a_fifth_of_a_division_wide)
         ck_assert_msg((c[0] != c[1] || c[1] != c[2]) == band[x], "pixel %d",
                       x);
     }
-    free(m.rgb);
     rad_picture_release(&p);
 }
 
@@ -256,10 +249,10 @@ static const int sizes[][2] = { { 1, 1 },     { 8, 8 },   { 3000, 2 },
                                 { 100, 5000 } };
 
 static bool
-is_lit(const struct rad_image *m, int left, int y)
+is_lit(int left, int y)
 {
-    for (int x = left; x < m->width; x++)
-        if (light(at(m, x, y)) > 0)
+    for (int x = left; x < m.width; x++)
+        if (light(at(&m, x, y)) > 0)
             return true;
     return false;
 }
@@ -267,15 +260,15 @@ is_lit(const struct rad_image *m, int left, int y)
 /* Of the rows that are lit right of a column those of the title end before the
  * scale begins. */
 static bool
-title_is_apart(const struct rad_image *m, int left)
+title_is_apart(int left)
 {
-    int y = 0, end = m->height;
+    int y = 0, end = m.height;
 
-    while (!is_lit(m, left, y))
+    while (!is_lit(left, y))
         y++;
-    while (is_lit(m, left, y))
+    while (is_lit(left, y))
         y++;
-    while (!is_lit(m, left, end - 1))
+    while (!is_lit(left, end - 1))
         end--;
     return y < end / 2;
 }
@@ -286,9 +279,7 @@ LOOP_TEST(legends_fit_any_picture, N_ELEM(sizes))
 {
     int w = sizes[_i][0], h = sizes[_i][1];
     double *v = calloc((size_t)w * (size_t)h, sizeof *v);
-    struct rad_false_scale s;
     struct rad_picture p;
-    struct rad_image m;
     size_t lit = 0;
 
     for (size_t i = 0; i < (size_t)w * (size_t)h; i++)
@@ -306,13 +297,12 @@ LOOP_TEST(legends_fit_any_picture, N_ELEM(sizes))
         for (int x = w; x < m.width; x++)
             lit += light(at(&m, x, y)) > 0;
     }
-    ck_assert(title_is_apart(&m, w));
+    ck_assert(title_is_apart(w));
     for (int x = w; x < m.width; x++) {
         ck_assert_int_eq(light(at(&m, x, 0)), 0);
         ck_assert_int_eq(light(at(&m, x, m.height - 1)), 0);
     }
     ck_assert_uint_gt(lit, 500);
-    free(m.rgb);
     free(v);
     rad_picture_release(&p);
 }
@@ -323,9 +313,7 @@ TEST(ticks_are_where_their_values_are)
 {
     static const double value[] = { 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1 };
     double v[600] = { 0 };
-    struct rad_false_scale s;
     struct rad_picture p = picture(1, 600, v);
-    struct rad_image m;
     int columns = 0;
 
     ck_assert_int_eq(rad_false_parse(&s, "1000,log=3", NULL), 0);
@@ -345,13 +333,12 @@ TEST(ticks_are_where_their_values_are)
         columns++;
     }
     ck_assert_int_ge(columns, 1);
-    free(m.rgb);
     rad_picture_release(&p);
 }
 
 /* Is the text drawn somewhere in these rows, right of a column? */
 static bool
-is_written(const struct rad_image *m, int left, int rows, const char *text)
+is_written(int left, int rows, const char *text)
 {
     static const uint8_t white[3] = { 255, 255, 255 };
     int w = rad_image_text_width(text, 1);
@@ -361,11 +348,11 @@ is_written(const struct rad_image *m, int left, int rows, const char *text)
     ck_assert_int_eq(rad_image_new(&t, w, RAD_FONT_HEIGHT, NULL), 0);
     rad_image_text(&t, 0, 0, 1, text, white);
     for (int y = 0; y + RAD_FONT_HEIGHT <= rows && !found; y++)
-        for (int x = left; x + w <= m->width && !found; x++) {
+        for (int x = left; x + w <= m.width && !found; x++) {
             found = true;
             for (int k = 0; k < RAD_FONT_HEIGHT && found; k++)
-                found =
-                    memcmp(at(m, x, y + k), at(&t, 0, k), (size_t)(3 * w)) == 0;
+                found = memcmp(at(&m, x, y + k), at(&t, 0, k),
+                               (size_t)(3 * w)) == 0;
         }
     free(t.rgb);
     return found;
@@ -392,14 +379,11 @@ static const struct {
 LOOP_TEST(the_end_of_a_scale_is_written_out, N_ELEM(ends))
 {
     double v[200] = { 0 };
-    struct rad_false_scale s;
     struct rad_picture p = picture(1, ends[_i].height, v);
-    struct rad_image m;
 
     ck_assert_int_eq(rad_false_parse(&s, ends[_i].scale, NULL), 0);
     ck_assert_int_eq(rad_false_colour(&s, &p, &m, NULL), 0);
-    ck_assert_msg(is_written(&m, 1, 40, ends[_i].end), "%s", ends[_i].scale);
-    free(m.rgb);
+    ck_assert_msg(is_written(1, 40, ends[_i].end), "%s", ends[_i].scale);
     rad_picture_release(&p);
 }
 
@@ -407,7 +391,6 @@ TEST(text_is_of_dots)
 {
     static const uint8_t white[3] = { 255, 255, 255 };
     /* T: a bar above, a stem; twice as large */
-    struct rad_image m;
 
     ck_assert_int_eq(rad_image_new(&m, 12, 14, NULL), 0);
     rad_image_text(&m, 0, 0, 2, "T", white);
@@ -415,6 +398,5 @@ TEST(text_is_of_dots)
         for (int x = 0; x < 12; x++)
             ck_assert_int_eq(at(&m, x, y)[0] > 0,
                              y < 2 ? x < 10 : x == 4 || x == 5);
-    free(m.rgb);
     ck_assert_int_eq(rad_image_text_width("cd/m2", 2), 60);
 }
