@@ -138,6 +138,12 @@ cluster_stop()
     grep -h -A 30 'Sanitizer' ./*.log && fail "a sanitizer complains"
 }
 
+cluster_finish() # the end of a script
+{
+    cluster_stop
+    finish
+}
+
 end_one()
 {
     kill -TERM "$1"

@@ -91,5 +91,4 @@ cluster_start 1 1
 submit poorer "$room" --memory-mib=500 && fail "a job without memory is done"
 grep -q 'no worker can.*may have 3 MiB here (memory_mib)' poorer.err ||
     fail "no word of radd's limit: $(cat poorer.err)"
-cluster_stop
-finish
+cluster_finish

@@ -34,5 +34,4 @@ for bounces in 0 2; do
     at_passes || fail "-ab $bounces: the large job did not let it go first"
 done
 "$radctl" --coordinator="$sock" cancel "$large" || fail "cancel"
-cluster_stop
-finish
+cluster_finish

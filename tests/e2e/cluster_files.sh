@@ -170,5 +170,4 @@ submit bob.key after
     fail "a restart forgets what bob has: $(sent after)"
 eval "kill -KILL \$pid_1"
 workers=2
-cluster_stop
-finish
+cluster_finish

@@ -90,5 +90,4 @@ print(f'{asked} questions, {grown:.0f} MiB more')
 sys.exit(grown > 200)
 PYTHON
 until_true 30 n_workers 1 || fail "the worker is not there any more"
-cluster_stop
-finish
+cluster_finish

@@ -33,5 +33,4 @@ gone "$pid_1" && fail "worker 1 is gone"
 until_true 10 n_workers 2 || fail "the workers are not there any more"
 "$radsubmit" --coordinator="$sock" -vf "$scenes/room.vf" -x 60 -y 40 -ab 0 \
     -o after.hdr "$scenes/room.rad" 2>stderr || fail "after: $(cat stderr)"
-cluster_stop
-finish
+cluster_finish

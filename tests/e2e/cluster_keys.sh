@@ -233,5 +233,4 @@ mv away keys
 echo nonsense >>keys
 expect 78 "keys:$(wc -l <keys)" "a key for a file with a bad line" \
     "$radctl" --coordinator="$sock" key add user:new
-cluster_stop
-finish
+cluster_finish

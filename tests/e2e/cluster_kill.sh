@@ -90,5 +90,4 @@ wait $job || fail "left: $(cat left.err)"
 "$radsubmit" --local $view $wide -o wide.hdr "$room" 2>stderr ||
     fail "wide: $(cat stderr)"
 cmp wide.hdr left.hdr || fail "the picture after all left differs"
-cluster_stop
-finish
+cluster_finish

@@ -113,5 +113,4 @@ if ! job_ended; then
         fail "the coordinator is gone: $(tail -n 3 c.log)"
     until_true 60 job_ended || fail "a cancelled job does not end"
 fi
-cluster_stop
-finish
+cluster_finish

@@ -77,5 +77,4 @@ there() { "$radctl" --coordinator="127.0.0.1:$port" --key=user.key --json \
 until_true 20 there || fail "w8 does not come: $(tail -n 3 w8.log)"
 end_one $eight "worker 8"
 end_one $any "the coordinator for all"
-cluster_stop
-finish
+cluster_finish

@@ -94,5 +94,4 @@ for name in fine coarse; do
             fail "$name: $n is $(total $name.json $n), $(total blind.json $n)"
     done
 done
-cluster_stop
-finish
+cluster_finish

@@ -92,5 +92,4 @@ import json
 w = json.load(open("gone.json"))
 assert w and all(x["state"] == "gone" and x["since_s"] < 3600 for x in w), w
 END
-cluster_stop
-finish
+cluster_finish

@@ -43,5 +43,4 @@ no_room()
     ! [ -e "state/jobs/$id/room" ]
 }
 until_true 30 no_room || fail "its room is not given back"
-cluster_stop
-finish
+cluster_finish

@@ -55,5 +55,4 @@ until_true 60 is_failed || fail "the job of a spoilt scene does not end"
 "$radctl" --coordinator="$sock" --json job "$id" >job.json
 grep -q '"status": 74' job.json && grep -q 'copy is spoilt' job.json ||
     fail "a spoilt scene: $(cat job.json)"
-cluster_stop
-finish
+cluster_finish

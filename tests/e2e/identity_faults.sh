@@ -253,5 +253,4 @@ done
 echo "$all primary rays, $spare for nothing, $redone units done again"
 [ "$((spare * 50))" -lt "$all" ] ||
     fail "$spare rays for nothing, of $all"
-cluster_stop
-finish
+cluster_finish

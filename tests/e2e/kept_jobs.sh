@@ -209,5 +209,4 @@ until_true 10 test state/radcoord.db-wal -nt mark || fail "no date is noted"
 another_life $((10 * 86400))
 echo $((60 * 86400)) >slept
 until_true 10 used 0 || fail "ten days and five count for less: $(ana jobs)"
-cluster_stop
-finish
+cluster_finish

@@ -89,5 +89,4 @@ is "$other" "$key"
 expect 64 "'logins': 'bob': expected KEY=LOGIN" "a bad map" \
     "$radcoord" --listen= --socket="$work/x.sock" --state="$work/x" \
     --logins=ana=-,bob
-cluster_stop
-finish
+cluster_finish

@@ -146,5 +146,4 @@ expect 69 "no coordinator at" "a coordinator that is gone" \
     "$radctl" --coordinator="$work/deaf" status
 kill $deaf
 
-cluster_stop
-finish
+cluster_finish

@@ -27,5 +27,4 @@ until_true 30 n_workers 1 || fail "the worker does not come: $(cat w1.log)"
     fail "a container renders nothing: $(cat stderr w1.log)"
 kill -TERM "$(pgrep -P $shim)"
 wait $shim || fail "the worker ended with status $?"
-cluster_stop
-finish
+cluster_finish

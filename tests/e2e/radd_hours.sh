@@ -66,5 +66,4 @@ gone $job && fail "the job is over: $(cat job.err)"
 cp always radd.conf
 kill -HUP "$pid_1"
 wait $job || fail "the job: $(cat job.err)"
-cluster_stop
-finish
+cluster_finish

@@ -85,5 +85,4 @@ until_true 30 grep -q '^radsubmit: job ' err || fail "no id: $(cat err)"
 id=$(sed -n 's/^radsubmit: job //p' err)
 "$radctl" --coordinator="$sock" cancel "$id" || fail "it cannot be cancelled"
 wait $job && fail "a cancelled job is done"
-cluster_stop
-finish
+cluster_finish

@@ -120,5 +120,4 @@ done
 # pixels that were under way, at most; a restart has lost more of the first
 [ "$(total low.json rays)" -le $(($(total alone.json rays) * 102 / 100)) ] ||
     fail "low: rays were traced again"
-cluster_stop
-finish
+cluster_finish

@@ -98,5 +98,4 @@ cmp estimated.hdr alone.hdr || fail "another picture"
     "$(total alone.json primary_rays)" ] || fail "other primary rays"
 echo "estimated: $(total estimated.json rays) rays," \
     "alone $(total alone.json rays)"
-cluster_stop
-finish
+cluster_finish

@@ -147,5 +147,4 @@ echo '-vp 2 1 1' >bare.vf
 expect 65 "bare.vf: no view line, as 'VIEW= " "no view line" "$radsubmit" \
     --local -S 1 --views=bare.vf $view -o 'm%d.hdr' "$room"
 
-cluster_stop
-finish
+cluster_finish

@@ -151,5 +151,4 @@ cluster_start 2 1
 cmp alone.hdr confined.hdr || fail "the picture of confined daemons differs"
 grep -q '^Seccomp:.2' "/proc/$pid_1/status" || fail "radd was not confined"
 grep -q 'sandbox incomplete' w1.log && fail "the child has no sandbox there"
-cluster_stop
-finish
+cluster_finish

@@ -99,5 +99,4 @@ wait $none
 [ $? -eq 75 ] || fail "interrupted: $(cat none.err)"
 grep -q 'cancelled: nothing was rendered yet' none.err ||
     fail "what it got: $(cat none.err)"
-cluster_stop
-finish
+cluster_finish

@@ -126,5 +126,4 @@ until_true 20 idle_workers || fail "the workers are not there"
 [ "$(grep -c 'refused peer' c.log)" -lt 2000 ] || fail "the log is flooded"
 [ "${RADD_SOAK:-}" != long ] || grep -q 'not logged n=' c.log ||
     fail "what was not logged is not said"
-cluster_stop
-finish
+cluster_finish

@@ -125,5 +125,4 @@ primary=$(total auto.json primary_rays)
 strikes worker "$KILLS_WORKERS"
 strikes child "$KILLS_CHILDREN"
 [ $failed -eq 0 ] || tail -n 40 c.log
-cluster_stop
-finish
+cluster_finish

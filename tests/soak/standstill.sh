@@ -71,5 +71,4 @@ while [ $n -lt "${STANDSTILL_TIMES:-2}" ]; do
 done
 echo "$late late units went to others"
 [ $n -lt 10 ] || [ $late -gt 0 ] || fail "no unit was ever late"
-cluster_stop
-finish
+cluster_finish

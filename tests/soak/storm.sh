@@ -189,5 +189,4 @@ hours=$(awk -v s=$(($(date +%s) - begin)) 'BEGIN { print s / 3600 }')
 echo "$(wc -l <jobs) jobs, $STORM_WORKERS workers, $blows blows in $hours h"
 no_more coordinator "$coord_pid"
 no_more worker "$pid_1"
-cluster_stop
-finish
+cluster_finish
