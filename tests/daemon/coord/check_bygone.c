@@ -420,8 +420,7 @@ TEST(what_was_sent_of_no_picture_is_not_fetched)
 {
     tear_down();
     set_up_coord(true);
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     for (uint32_t u = 0; u < 4; u++) {
         bygone_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
         result(WORKER, job_a, u, 1);

@@ -8,8 +8,7 @@ FIXTURE(set_up, tear_down)
 
 TEST(a_new_connection_of_a_name_replaces_the_old)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     join(SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
     ck_assert(f.closed[WORKER]);
     ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
@@ -235,8 +234,7 @@ drops_second(uint64_t conn)
  * expelled end with whoever is there, and with others when they come back. */
 TEST(an_expelled_worker_loses_its_links_connected_or_not)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     second_ready(job_a);
     cut(SECOND);
     ck_assert(!drops_second(WORKER));

@@ -40,8 +40,7 @@ ping(uint64_t progress)
 static void
 slow_job(void)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     second_ready(job_a);
     for (int i = 0; i < 50; i++) {
         wait_s(1);
@@ -81,8 +80,7 @@ TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
                      .lost = { job_a, EX_SOFTWARE, "killed by signal 11", 2,
                                both } };
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     say(WORKER, &m);
     second_ready(job_a);
     ck_assert_uint_eq(f.units[SECOND], 1); /* a suspect goes alone */
@@ -157,8 +155,7 @@ set_back(uint64_t conn)
 
 TEST(a_worker_that_cannot_keep_a_child_leaves_the_job_to_others)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     second_ready(job_a);
     for (int i = 1; i < JOB_MAX_SETBACKS; i++) {
         set_back(SECOND);

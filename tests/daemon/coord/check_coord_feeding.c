@@ -13,8 +13,7 @@ two_are_ready(void)
 {
     struct job *job;
 
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     job = desk_find_job(f.c, job_a);
     strcpy(job->parts[0].worker->address, "tcp 127.0.0.1:1");
@@ -90,8 +89,7 @@ TEST(workers_below_one_that_hangs_are_fed_by_others)
 static struct job *
 begin_with(uint64_t n)
 {
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     for (uint64_t i = 0; i < n; i++) {
         char name[] = { 'x', (char)('0' + i), '\0' };
 
@@ -152,8 +150,7 @@ TEST(workers_without_an_address_are_not_fed_by_each_other)
 {
     const struct job_part *part;
 
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     for (uint64_t i = 0; i < 2; i++) {
         join(SECOND + i, MSG_ROLE_WORKER, i > 0 ? "ws3" : "ws2", "daemon");
         ready(SECOND + i, job_a);

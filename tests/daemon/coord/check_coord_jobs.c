@@ -31,8 +31,7 @@ disk_has_room(void)
 static void
 be_begun(void)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     result(WORKER, job_a, 0, 1);
 }
 
@@ -400,8 +399,7 @@ TEST(workers_load_while_a_job_is_stored)
 TEST(workers_forget_a_job_that_could_not_be_stored)
 {
     f.stuck = true;
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     coord_job_opened(f.c, f.now_ms, job_a, job_number(job_a), EX_IOERR,
                      "no room for rows");
     carry_out();
@@ -518,8 +516,7 @@ TEST(statistics_in_pieces_are_those_at_once)
     char *whole, *text;
     int rc, pieces = 0;
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     for (uint32_t unit = 0; unit < 3; unit++)
         result(WORKER, job_a, unit, 1);
     job = desk_find_job(f.c, job_a);
@@ -678,8 +675,7 @@ TEST(a_job_whose_text_is_cut_is_told_of)
     struct msg m = { .type = MSG_FAILED,
                      .failed = { job_a, EX_DATAERR, text } };
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     coord_fullness(f.c, f.now_ms, true, "/var/caf\xe9");
     carry_out();
     say(BOB, &query);

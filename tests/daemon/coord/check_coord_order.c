@@ -35,8 +35,7 @@ TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
 {
     struct msg m = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     say(WORKER, &m);
     for (uint32_t u = 0; u < 2; u++) {
         ck_assert(!f.closed[WORKER]);
@@ -49,8 +48,7 @@ TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
 
 TEST(higher_priority_goes_first)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     submit(BOB, job_b, 1);
     ready(WORKER, job_b);
     result(WORKER, job_a, 0, 1);
@@ -248,8 +246,7 @@ TEST(lines_make_way_for_passes_of_another_owner)
     ready(WORKER, job_b);
     ready(SECOND, job_b);
     ck_assert(f.units[WORKER] > 0 && f.units[SECOND] > 0);
-    submit_passes(ANA, &huge, 1);
-    ready(WORKER, job_a);
+    start_passes(&huge);
     ready(SECOND, job_a);
     wait_s(1);
     ck_assert_int_eq(has_tile(WORKER) + has_tile(SECOND), 1);
@@ -485,8 +482,7 @@ TEST(a_job_that_waits_its_turn_says_so)
 
 TEST(a_job_whose_workers_left_for_another_has_none)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     ck_assert_uint_eq(workers_of_job(), 1);
     submit(BOB, job_b, 1);
     ready(WORKER, job_b);
@@ -504,8 +500,7 @@ TEST(a_job_whose_workers_are_drained_has_none)
 {
     struct msg m = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     say(ADMIN, &m);
     ck_assert_uint_eq(workers_of_job(), 1);
     result(WORKER, job_a, 0, 1);

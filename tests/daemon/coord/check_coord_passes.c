@@ -13,8 +13,7 @@ FIXTURE(set_up, tear_down)
 
 TEST(units_come_when_all_passes_are_closed)
 {
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     ck_assert(has_tile(WORKER));
     for (uint32_t pass = 0; pass < PASSES; pass++) {
         ck_assert_uint_eq(f.units[WORKER], 0);
@@ -30,8 +29,7 @@ TEST(a_pass_that_is_closed_goes_to_all)
 {
     struct msg_frozen *z = &f.last[SECOND].frozen;
 
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     ck_assert_uint_eq(tiles_of(0), 2);
     records[0] = 2;
     made(WORKER, 0, 1, 3);
@@ -65,16 +63,14 @@ LOOP_TEST(what_fits_no_tile_ends_the_connection, N_ELEM(wrong))
                                     .data = records,
                                     .len = wrong[_i].len } };
 
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     say(WORKER, &m);
     ck_assert(f.closed[WORKER]);
 }
 
 TEST(tiles_of_a_lost_worker_go_to_another)
 {
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     second_ready(job_a);
     ck_assert(has_tile(WORKER) && !has_tile(SECOND)); /* it has both */
     f.now_ms++;
@@ -127,8 +123,7 @@ TEST(a_late_tile_goes_to_a_second_worker)
     struct job *job;
 
     tile_rays = 10;
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     second_ready(job_a);
     ck_assert(!has_tile(SECOND));
     wait_s(1);
@@ -147,8 +142,7 @@ TEST(a_late_tile_is_seen_at_the_next_tick)
 {
     wait_s(1);
     f.now_ms += 60;
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     second_ready(job_a);
     for (uint64_t ms = 50; ms < 100; ms += 49) {
         ck_assert(!has_tile(SECOND));
@@ -165,8 +159,7 @@ TEST(near_the_end_of_a_pass_no_tile_stands_ahead)
 {
     uint32_t tiles = tiles_of(LAST), out;
 
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     for (uint32_t pass = 0; pass < LAST; pass++)
         make_pass(WORKER, pass);
     ck_assert_uint_gt(tiles, 24);
@@ -188,8 +181,7 @@ TEST(the_oldest_tile_is_late_first)
 {
     struct job *job;
 
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     for (uint32_t pass = 0; pass < LAST; pass++)
         make_pass(WORKER, pass);
     ck_assert_uint_gt(tiles_of(LAST), 6);
@@ -242,8 +234,7 @@ fetch_preview(uint64_t conn)
  * soon as those of a pass are there; nobody else pays for that. */
 TEST(tiles_tell_their_colours_to_who_watches)
 {
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     ck_assert(has_tile(WORKER) && !f.last[WORKER].tile.colours);
     made_shown(WORKER, 0, 0, 0);
     fetch_preview(ANA);
@@ -304,8 +295,7 @@ TEST(dear_passes_do_not_take_progress_back)
 {
     double done = 0, foreseen;
 
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     foreseen = desk_find_job(f.c, job_a)->filled.share;
     for (uint32_t pass = 0; pass < PASSES; pass++) {
         tile_rays = pass < PASSES / 2 ? 1000 : 50000;
@@ -323,8 +313,7 @@ TEST(dear_passes_do_not_take_progress_back)
 
 TEST(colours_that_nobody_wants_are_dropped)
 {
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     made_shown(WORKER, 0, 1, 3 * 4);
     ck_assert_uint_eq(f.ncolours, 0);
     ck_assert(!f.closed[WORKER]);
@@ -371,8 +360,7 @@ TEST(a_tile_is_not_blamed_for_a_child_that_was_killed)
                         .lost = { job_a, EX_OSERR, "signal 9", 0, NULL } };
     int times = 0;
 
-    submit_passes(ANA, &wide, 1);
-    ready(WORKER, job_a);
+    start_passes(&wide);
     for (; times < 3 * JOB_MAX_CRASHES; times++) {
         ck_assert(has_tile(WORKER));
         if (times % JOB_MAX_CRASHES == 0) /* which is no setback */

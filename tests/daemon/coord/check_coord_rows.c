@@ -14,8 +14,7 @@ TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
         .result = { job_a, 0, 1, 0, 4, 4, 1, 1, { 0 }, pixels, 4 * 4 * 4 }
     };
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     for (int i = 0; i < 4; i++) {
         m.result.unit = order[i];
         m.result.counts.nan = (struct msg_nan){ order[i], 0, 5, 9 - order[i] };
@@ -102,8 +101,7 @@ tally(double busy_s, double wait_s, uint64_t rays)
 
 TEST(waits_for_the_line_above_are_summed_over_children)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     tally(8, 2.5, 0);
     ck_assert_double_eq(worker_stat("wait_base_line_s"), 2.5);
     ck_assert_double_eq(worker_stat("busy_s"), 5.5);
@@ -114,8 +112,7 @@ TEST(waits_for_the_line_above_are_summed_over_children)
 
 TEST(what_was_counted_for_an_earlier_job_of_the_id_is_not_this_jobs)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     about(ANA, MSG_CANCEL, job_a);
     about(ANA, MSG_DELETE, job_a);
     submit(ANA, job_a, 0);
@@ -161,8 +158,7 @@ TEST(a_worker_s_row_has_what_open_jobs_have_of_it)
                                 .rays_under_way = 9 } };
     json_t *row;
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     result(WORKER, job_a, 0, 1); /* of ten rays */
     say(WORKER, &ping);
     say(WORKER, &t);
@@ -197,8 +193,7 @@ TEST(statistics_tell_what_is_in_hand)
     json_t *root, *list, *one;
     char *text;
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     job = desk_find_job(f.c, job_a);
     result(WORKER, job_a, 0, 1);
     f.now_ms += 3000;
@@ -222,8 +217,7 @@ TEST(statistics_tell_what_is_in_hand)
 
 TEST(rays_under_way_are_told_and_never_fewer)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     tally(1, 0, 7);
     ck_assert_uint_eq(rays_told(), 7);
     tally(1, 0, 3); /* seven of a unit whose RESULT is on its way */
@@ -257,8 +251,7 @@ TEST(the_share_that_is_done_tells_of_units_under_way)
 {
     double all;
 
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     ck_assert_double_eq(share_told(), 0);
     all = (double)f.progress.pixels_total;
     tally_pixels(5);
@@ -324,8 +317,7 @@ TEST(a_duplicate_that_does_not_is_none)
 
 TEST(a_late_result_of_an_old_attempt_is_dropped)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     coord_closed(f.c, f.now_ms, WORKER, "cut");
     second_ready(job_a); /* has them all again */
     join(6, MSG_ROLE_WORKER, "ws1", "daemon");
@@ -336,8 +328,7 @@ TEST(a_late_result_of_an_old_attempt_is_dropped)
 
 TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     f.stuck = true;
     result(WORKER, job_a, 0, 1);
     cut(WORKER);
@@ -384,8 +375,7 @@ TEST(a_frame_has_a_preview_when_rows_of_it_have_come)
 
 TEST(a_result_that_fits_no_unit_ends_the_connection)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     result(WORKER, job_a, 4, 1);
     ck_assert(f.closed[WORKER]);
 }

@@ -361,6 +361,14 @@ tear_down(void)
     }
 }
 
+/* Ana submits a job, and the first worker is ready for it. */
+static inline void
+start_job(void)
+{
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+}
+
 /* Another worker comes, and is ready for the job. */
 static inline void
 second_ready(const uint8_t *job)
@@ -373,8 +381,7 @@ second_ready(const uint8_t *job)
 static inline void
 two_are_left(void)
 {
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
+    start_job();
     second_ready(job_a);
     result(SECOND, job_a, 2, 1);
     result(SECOND, job_a, 3, 1);

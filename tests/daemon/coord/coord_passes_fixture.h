@@ -38,6 +38,14 @@ submit_passes(uint64_t conn, const struct msg_frame *frames, uint32_t n)
     say(conn, &m);
 }
 
+/* Ana submits a job of one frame with passes, and the first worker is ready. */
+static inline void
+start_passes(const struct msg_frame *of)
+{
+    submit_passes(ANA, of, 1);
+    ready(WORKER, job_a);
+}
+
 /* The last thing that was said to a worker is a tile. */
 static inline bool
 has_tile(uint64_t conn)
