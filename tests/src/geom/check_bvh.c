@@ -3,18 +3,20 @@
 
 #include "geom/geom.h"
 #include "geom/kernel.h"
-#include "geom_scene.h"
 #include "tests/blocked.h"
 #include "tests/unit.h"
+#include "geom_scene.h"
 
 #include <math.h>
 #include <stdio.h>
 
 enum { NSURFACES = 603, NRAYS = 4000 };
 
+FIXTURE(NULL, geom_tear_down)
+
 /* A surface of any family, somewhere in a box of half-width size around c. */
 static void
-add_random(struct geom_scene *g, uint64_t key, double size, const double c[3])
+add_random(uint64_t key, double size, const double c[3])
 {
     static const enum rad_otype types[] = {
         RAD_POLYGON, RAD_SPHERE, RAD_BUBBLE,   RAD_CONE, RAD_CUP,
@@ -58,7 +60,7 @@ add_random(struct geom_scene *g, uint64_t key, double size, const double c[3])
                 v[9 + i] = v[i] + v[6 + i] - v[3 + i];
         }
     }
-    geom_scene_add(g, type, RAD_VOID,
+    geom_scene_add(&g, type, RAD_VOID,
                    geom_rand(key, 25, 0, 1) < .7
                        ? RAD_SURF_OPAQUE
                        : RAD_SURF_TRANSPARENT | RAD_SURF_PASSED,
@@ -73,8 +75,7 @@ static const struct {
 
 /* What testing each surface by itself says. */
 static bool
-nearest_of_all(const struct rad_geom *geom, int n, const struct rad_span *span,
-               struct rad_hit *best)
+nearest_of_all(int n, const struct rad_span *span, struct rad_hit *best)
 {
     struct rad_geom_counts counts = { 0 };
     struct rad_hit hit;
@@ -89,14 +90,13 @@ nearest_of_all(const struct rad_geom *geom, int n, const struct rad_span *span,
 }
 
 static bool
-any_of_all(const struct rad_geom *geom, const struct geom_scene *g,
-           const struct rad_span *span, int32_t skip)
+any_of_all(const struct rad_span *span, int32_t skip)
 {
     struct rad_geom_counts counts = { 0 };
     struct rad_hit hit;
 
-    for (int i = 0; i < g->scene.nobjects; i++)
-        if (i != skip && g->surf[i] & RAD_SURF_OPAQUE &&
+    for (int i = 0; i < g.scene.nobjects; i++)
+        if (i != skip && g.surf[i] & RAD_SURF_OPAQUE &&
             rad_geom_hit_object(geom, i, span, &hit, &counts))
             return true;
     return false;
@@ -129,21 +129,19 @@ LOOP_TEST(tree_finds_what_testing_all_finds, 2 * N_ELEM(place))
     double size = place[_i / 2].size, off = place[_i / 2].offset;
     const double c[3] = { off, -off, off };
     struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     int hits = 0, blocked = 0;
 
     geom_scene_init(&g, NSURFACES, NSURFACES * 12);
     for (uint64_t i = 0; i < NSURFACES; i++)
-        add_random(&g, rad_key_branch(7, i), size, c);
+        add_random(rad_key_branch(7, i), size, c);
     geom = geom_scene_compile_for(&g, rays);
     for (uint64_t i = 0; i < NRAYS; i++) {
         uint64_t key = rad_key_branch(99, i);
         struct rad_span s = random_ray(key, size, c);
         struct rad_hit hit, want;
         int32_t skip = (int32_t)geom_rand(key, 12, -1, NSURFACES);
-        bool met = nearest_of_all(geom, NSURFACES, &s, &want);
-        bool shadow = any_of_all(geom, &g, &s, skip);
+        bool met = nearest_of_all(NSURFACES, &s, &want);
+        bool shadow = any_of_all(&s, skip);
 
         ck_assert_int_eq(rad_geom_nearest(geom, &s, &hit, &counts), met);
         ck_assert_msg(hit.obj == want.obj, "ray %d: %d, not %d (t %.17g %.17g)",
@@ -157,8 +155,6 @@ LOOP_TEST(tree_finds_what_testing_all_finds, 2 * N_ELEM(place))
     /* the rays did meet things, and not always */
     ck_assert(hits > NRAYS / 20 && hits < NRAYS * 19 / 20);
     ck_assert(blocked > NRAYS / 20 && blocked < hits);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 
 /* A face of 4 to 7 vertices that lie up to `warp` off a plane, in the frame
@@ -230,8 +226,6 @@ LOOP_TEST(warped_faces_are_found_at_any_angle, N_ELEM(warps))
 {
     enum { N = 300 };
     struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     double v[21], axis[3][3], c[3], warp = warps[_i];
     int met = 0;
 
@@ -250,7 +244,7 @@ LOOP_TEST(warped_faces_are_found_at_any_angle, N_ELEM(warps))
 
         warped_face(rad_key_branch(5, i % N), warp, v, axis, c);
         s = graze(key, warp, axis, c);
-        nearest_of_all(geom, N, &s, &want);
+        nearest_of_all(N, &s, &want);
         rad_geom_nearest(geom, &s, &hit, &counts);
         ck_assert_msg(hit.obj == want.obj, "ray %d: %d, not %d", (int)i,
                       hit.obj, want.obj);
@@ -268,8 +262,6 @@ LOOP_TEST(warped_faces_are_found_at_any_angle, N_ELEM(warps))
         ck_assert(!rad_geom_hit_object(geom, hit.obj, &away, &hit, &counts));
     }
     ck_assert_int_gt(met, 10 * N);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 
 /* Flat boxes of size 1 in a row, one after the other, or each far from the one
@@ -317,8 +309,7 @@ struct answer {
 };
 
 static void
-ask(struct rad_geom *geom, const struct rad_kernel *k,
-    const struct rad_span *span, struct answer *a)
+ask(const struct rad_kernel *k, const struct rad_span *span, struct answer *a)
 {
     struct rad_line line;
 
@@ -341,29 +332,25 @@ LOOP_TEST(kernels_give_the_same_bits, N_ELEM(place))
     double size = place[_i].size, off = place[_i].offset;
     const double c[3] = { off, -off, off };
     const struct rad_kernel *const *k;
-    struct geom_scene g;
-    struct rad_geom *geom;
 
     geom_scene_init(&g, NSURFACES, NSURFACES * 12);
     for (uint64_t i = 0; i < NSURFACES; i++)
-        add_random(&g, rad_key_branch(7, i), size, c);
+        add_random(rad_key_branch(7, i), size, c);
     geom = geom_scene_compile(&g);
     for (uint64_t i = 0; i < NRAYS; i++) {
         struct rad_span s = random_ray(rad_key_branch(98, i), size, c);
         struct answer want, got;
 
-        ask(geom, &rad_kernel_plain, &s, &want);
+        ask(&rad_kernel_plain, &s, &want);
         for (k = rad_kernels(); *k; k++) {
             if (!(*k)->usable())
                 continue;
-            ask(geom, *k, &s, &got);
+            ask(*k, &s, &got);
             /* all of it: hit, blocker, and what was visited on the way */
             ck_assert_msg(memcmp(&got, &want, sizeof got) == 0, "%s, ray %d",
                           (*k)->name, (int)i);
         }
     }
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 
 /* Numbers of every size and kind, as a hostile scene may hold them. */
@@ -387,8 +374,6 @@ LOOP_TEST(wild_numbers_do_no_harm, 4)
     static const int nreals[] = { 12, 4, 8, 7, 8 };
     struct rad_geom_counts counts = { 0 };
     const struct rad_kernel *const *k = rad_kernels();
-    struct geom_scene g;
-    struct rad_geom *geom;
 
     geom_scene_init(&g, NSURFACES, NSURFACES * 12);
     for (uint64_t i = 0; i < NSURFACES; i++) {
@@ -421,8 +406,6 @@ LOOP_TEST(wild_numbers_do_no_harm, 4)
             ck_assert(is_blocked(geom, &s, RAD_VOID, NULL, &counts));
         }
     }
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 
 /* Sizes in a geometric row make the deepest trees: each split takes few off.
@@ -431,8 +414,6 @@ LOOP_TEST(lopsided_trees_are_walked_whole, 2)
 {
     enum { N = 1000 };
     struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
 
     geom_scene_init(&g, N, 4 * N);
@@ -454,8 +435,6 @@ LOOP_TEST(lopsided_trees_are_walked_whole, 2)
         /* of those in one place the last wins */
         ck_assert_int_eq(hit.obj, _i == 0 ? i : N - 1);
     }
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 
 static void

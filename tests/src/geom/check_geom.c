@@ -3,31 +3,21 @@
 
 #include "geom/geom.h"
 #include "tests/closed_mesh.h"
-#include "geom_scene.h"
 #include "tests/blocked.h"
 #include "tests/unit.h"
+#include "geom_scene.h"
 
 #include <math.h>
 
-static struct geom_scene g;
-static struct rad_geom *geom; /* of g */
 static struct rad_geom_counts counts;
 
 static void
 set_up(void)
 {
-    geom = NULL;
     counts = (struct rad_geom_counts){ 0 };
 }
 
-static void
-tear_down(void)
-{
-    rad_geom_free(geom);
-    geom_scene_release(&g);
-}
-
-FIXTURE(set_up, tear_down)
+FIXTURE(set_up, geom_tear_down)
 
 /* clang-format off */
 /* One surface, one ray, and where it must be met. */

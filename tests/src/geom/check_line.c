@@ -2,9 +2,11 @@
 #include "config.h"
 
 #include "geom/geom.h"
-#include "geom_scene.h"
 #include "tests/blocked.h"
 #include "tests/unit.h"
+#include "geom_scene.h"
+
+FIXTURE(NULL, geom_tear_down)
 
 /* From anywhere in the unit cube, in any direction. */
 static struct rad_span
@@ -18,8 +20,6 @@ span_through_cube(uint64_t key)
 TEST(sight_finds_the_first_veil)
 {
     struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     int veiled = 0, tied = 0;
 
     geom_scene_init(&g, 40, 300);
@@ -70,14 +70,12 @@ TEST(sight_finds_the_first_veil)
     }
     ck_assert_int_gt(veiled, 500);
     ck_assert_int_gt(tied, 20);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 
 /* Surfaces of every family about the origin, most of them passed, some of them
  * twice. */
 static void
-add_passed(struct geom_scene *g, uint32_t i)
+add_passed(uint32_t i)
 {
     static const enum rad_otype types[] = { RAD_RING, RAD_SPHERE, RAD_CONE,
                                             RAD_POLYGON };
@@ -97,15 +95,15 @@ add_passed(struct geom_scene *g, uint32_t i)
         a[6] /= 4;
         a[7] = a[6] + .05 + a[7] / 4;
     }
-    geom_scene_add(g, types[kind], RAD_VOID, surf[i % 5], a, nreals[kind]);
+    geom_scene_add(&g, types[kind], RAD_VOID, surf[i % 5], a, nreals[kind]);
 }
 
 /* Go along the line that begins with *hit, met by *s, and by walks of its own
  * from surface to surface; returns how many the line knew, and counts where it
  * knew no more. */
 static int
-follow(const struct rad_geom *geom, const struct rad_line *line,
-       const struct rad_span *s, struct rad_hit hit, int *unknown)
+follow(const struct rad_line *line, const struct rad_span *s,
+       struct rad_hit hit, int *unknown)
 {
     struct rad_geom_counts counts = { 0 };
     struct rad_span on = *s;
@@ -137,12 +135,10 @@ TEST(line_holds_what_walks_meet)
 {
     struct rad_geom_counts counts = { 0 };
     int known = 0, unknown = 0, sights = 0;
-    struct geom_scene g;
-    struct rad_geom *geom;
 
     geom_scene_init(&g, 60, 600);
     for (uint32_t i = 0; i < 60; i++)
-        add_passed(&g, i);
+        add_passed(i);
     geom = geom_scene_compile(&g);
     ck_assert(rad_geom_passes(geom));
     for (uint32_t i = 0; i < 4000; i++) {
@@ -157,16 +153,14 @@ TEST(line_holds_what_walks_meet)
         ck_assert_int_eq(hit.obj, want.obj);
         ck_assert(memcmp(&hit.t, &want.t, sizeof hit.t) == 0);
         ck_assert_mem_eq(hit.p, want.p, sizeof hit.p);
-        known += follow(geom, &line, &s, hit, &unknown);
+        known += follow(&line, &s, hit, &unknown);
         if (rad_geom_sight(geom, &s, RAD_VOID, NULL, &hit, &line, &counts) ==
             RAD_SIGHT_VEILED)
-            sights += follow(geom, &line, &s, hit, &unknown);
+            sights += follow(&line, &s, hit, &unknown);
     }
     ck_assert_int_gt(known, 4000);
     ck_assert_int_gt(sights, 1000);
     ck_assert_int_gt(unknown, 100);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 
 /* A shadow ray's line ends with what it is aimed at, once. */
@@ -176,8 +170,6 @@ TEST(line_of_sight_leads_to_the_target)
     const double lamp[4] = { 0, 0, 3, 1 };
     struct rad_span s = geom_span(0, 0, -1, 0, 0, 1);
     struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_line line;
     struct rad_hit hit, next;
 
@@ -196,6 +188,4 @@ TEST(line_of_sight_leads_to_the_target)
     ck_assert_int_eq(
         rad_geom_beyond(geom, &line, 2, &next, next.p, s.dir, &hit),
         RAD_BEYOND_UNKNOWN);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }

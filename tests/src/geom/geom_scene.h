@@ -111,4 +111,17 @@ geom_rand_dir(uint64_t key, uint32_t dim, double d[3])
     d[2] = z;
 }
 
+/* The scene of a test, and what it was made into. */
+static struct geom_scene g;
+static struct rad_geom *geom;
+
+static inline void
+geom_tear_down(void)
+{
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+    geom = NULL;
+    g = (struct geom_scene){ 0 };
+}
+
 #endif
