@@ -93,6 +93,15 @@ on_reason(void *arg, const char *why)
 
 /* --- the job --- */
 
+/* A job's layout depends on the workers that are there when it comes; the first
+ * one counts as there. */
+static bool
+gathers(const struct program *p)
+{
+    return p->cluster.launch ||
+           (p->cluster.embedded && program_cluster_workers(&p->o) > 1);
+}
+
 static struct submit_callbacks
 callbacks_of(struct program *p)
 {
@@ -111,7 +120,7 @@ callbacks_of(struct program *p)
         .records = p->records.keep ? on_records : NULL,
         .reason = !embedded || p->cluster.launch ? on_reason : NULL,
         .alive = embedded ? program_cluster_alive : NULL,
-        .gathered = embedded ? program_cluster_gathered : NULL,
+        .gathered = gathers(p) ? program_cluster_gathered : NULL,
         .arg = p
     };
 }

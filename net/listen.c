@@ -13,6 +13,7 @@
 #include "net/log.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -254,13 +255,29 @@ new_listener(const struct address *a, const struct listener_conf *conf)
     return NULL;
 }
 
+/* A descriptor of standard input if that listens; else -1. */
+static int
+handed_socket(void)
+{
+    int listens = 0;
+    socklen_t n = sizeof listens;
+
+    if (getsockopt(STDIN_FILENO, SOL_SOCKET, SO_ACCEPTCONN, &listens, &n) < 0 ||
+        !listens)
+        return -1;
+    return fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+}
+
 /* Open and bind the socket.  Returns it, or RAD_ECANTCREAT. */
 static int
 open_socket(struct listener *l, const char *where, struct rad_error *err)
 {
     const char *path = l->at.sa.un.sun_path;
-    int rc = l->local ? probe_socket(&l->at, err) : 0;
+    int rc = l->conf.handed ? handed_socket() : -1;
 
+    if (rc >= 0)
+        return rc;
+    rc = l->local ? probe_socket(&l->at, err) : 0;
     if (rc < 0 || (l->local && rc == 0 && make_parent(path, err) < 0))
         return RAD_ECANTCREAT;
     if (rc == 1)

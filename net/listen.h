@@ -22,6 +22,8 @@ struct listener_conf {
     listener_fn *fn;
     tls_find_fn *find; /* looks up keys, over TCP */
     bool anywhere;     /* any address may be used; else only local ones */
+    bool handed;       /* if standard input listens it is the socket, whose
+                        * file the one who started us has made */
     unsigned limit_ms; /* time to prove a key; 0: HANDSHAKE_MS */
     void *arg;         /* fn's and find's */
 };

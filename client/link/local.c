@@ -6,6 +6,8 @@
 #include "link/programs.h"
 
 #include "base/output.h"
+#include "net/address.h"
+#include "net/listen.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -32,7 +34,12 @@ enum {
 };
 
 /* leaves room for a socket's name: the kernel limits its path */
-enum { LONGEST_FOLDER = 80, MOST_ARGS = 16, MOST_LAUNCHED = 4096 };
+enum {
+    LONGEST_FOLDER = 80,
+    MOST_ARGS = 16,
+    MOST_LAUNCHED = 4096,
+    MOST_WAITING = 4096
+};
 
 struct local {
     char folder[LONGEST_FOLDER + 1];
@@ -40,7 +47,7 @@ struct local {
     int alive[2];    /* a pipe; daemons end when [1] is closed */
     int launched[2]; /* a pipe to the keeper: process groups that it has to end;
                       * a negative number cancels one */
-    int notify;      /* socket on which a daemon reports that it is ready */
+    int notify; /* socket on which the coordinator reports that it is ready */
     pid_t keeper;
     pid_t coordinator;
     pid_t *workers; /* nworkers pids; 0: has ended */
@@ -159,20 +166,22 @@ local_folder(const struct local *l)
 
 /* --- programs --- */
 
-/* Start a daemon with these options; it gets the folder's notify socket and the
- * pipe that ends it. */
+/* Start a daemon with these options; it gets the pipe that ends it and, if not
+ * negative, `in` as its input.  notify: where it tells that it is ready; "":
+ * nowhere. */
 static int
 start(pid_t *pid, const struct local *l, const char *name,
-      const char *const options[], struct rad_error *err)
+      const char *const options[], int in, const char *notify,
+      struct rad_error *err)
 {
-    char path[4200], lifetime[32], notify[160];
+    char path[4200], lifetime[32], setting[160];
     char *argv[MOST_ARGS], **env;
     int argc = 0, rc;
 
     programs_path(name, path, sizeof path);
     snprintf(lifetime, sizeof lifetime, "--lifetime-fd=%d", PROGRAMS_KEPT);
-    snprintf(notify, sizeof notify, "NOTIFY_SOCKET=%s/ready", l->folder);
-    env = programs_environment(notify);
+    snprintf(setting, sizeof setting, "NOTIFY_SOCKET=%s", notify);
+    env = programs_environment(setting);
     if (!env)
         return rad_fail_memory(err);
     argv[argc++] = path;
@@ -181,7 +190,7 @@ start(pid_t *pid, const struct local *l, const char *name,
     for (int i = 0; options[i] && argc < MOST_ARGS - 1; i++)
         argv[argc++] = (char *)options[i];
     argv[argc] = NULL;
-    rc = programs_spawn(pid, argv, env, -1, l->alive[0]);
+    rc = programs_spawn(pid, argv, env, in, l->alive[0]);
     free(env);
     if (rc == ENOENT)
         return rad_fail(err, RAD_EUNAVAIL,
@@ -275,21 +284,44 @@ local_threads(int nworkers, int nthreads)
     return n > 0 ? n : 1;
 }
 
+/* The coordinator's socket, where workers and radsubmit wait for it while it
+ * starts. */
+static int
+open_socket(const char *path, struct rad_error *err)
+{
+    struct address a;
+    int fd = address_resolve_listen(path, &a, err);
+
+    if (fd < 0)
+        return fd;
+    fd = listener_socket(&a, path, MOST_WAITING);
+    return fd >= 0 ? fd
+                   : rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s",
+                              path, uv_strerror(fd));
+}
+
 /* address: where it listens on the network; "": only on its Unix socket. */
 static int
 start_coordinator(struct local *l, const char *address, const char *keys,
                   struct rad_error *err)
 {
-    char socket[120], state[120], listen[300], file[200], ports[120];
+    char socket[120], state[120], listen[300], file[200], ports[120],
+        ready[120];
     const char *options[] = { socket, state, listen, "--embedded",
                               file,   ports, NULL };
+    int fd = open_socket(l->target.path, err), rc;
 
+    if (fd < 0)
+        return fd;
     snprintf(socket, sizeof socket, "--socket=%s/coord", l->folder);
     snprintf(state, sizeof state, "--state=%s/state", l->folder);
     snprintf(listen, sizeof listen, "--listen=%s", address);
     snprintf(file, sizeof file, "--keys=%s", keys);
     snprintf(ports, sizeof ports, "--ports-file=%s/ports", l->folder);
-    return start(&l->coordinator, l, "radcoord", options, err);
+    snprintf(ready, sizeof ready, "%s/ready", l->folder);
+    rc = start(&l->coordinator, l, "radcoord", options, fd, ready, err);
+    close(fd); /* so that a dialler hears of the coordinator's end */
+    return rc;
 }
 
 static int
@@ -304,22 +336,30 @@ start_worker(struct local *l, int i, int nthreads, struct rad_error *err)
     snprintf(cache, sizeof cache, "--cache=%s/cache-%d", l->folder, i + 1);
     snprintf(threads, sizeof threads, "--threads=%d", nthreads);
     snprintf(listen, sizeof listen, "--listen=%s/peer-%d", l->folder, i + 1);
-    return start(&l->workers[i], l, "radd", options, err);
+    return start(&l->workers[i], l, "radd", options, -1, "", err);
 }
 
-int
-local_coordinate(struct local *l, const char *address, const char *keys,
-                 const struct link_where *where, struct rad_error *err)
+static int
+begin(struct local *l, const char *address, const char *keys,
+      struct rad_error *err)
 {
     char socket[sizeof l->target.path];
     int rc;
 
     snprintf(socket, sizeof socket, "%s/coord", l->folder);
     if ((rc = target_parse(&l->target, socket, err)) < 0 ||
-        (rc = open_notify(l, err)) < 0 ||
-        (rc = start_coordinator(l, address, keys, err)) < 0)
+        (rc = open_notify(l, err)) < 0)
         return rc;
-    return wait_ready(l, where, err);
+    return start_coordinator(l, address, keys, err);
+}
+
+int
+local_coordinate(struct local *l, const char *address, const char *keys,
+                 const struct link_where *where, struct rad_error *err)
+{
+    int rc = begin(l, address, keys, err);
+
+    return rc < 0 ? rc : wait_ready(l, where, err);
 }
 
 int
@@ -332,14 +372,14 @@ local_start(struct local *l, int nworkers, int nthreads,
     l->workers = calloc((size_t)nworkers, sizeof *l->workers);
     if (!l->workers)
         return rad_fail_memory(err);
-    if ((rc = local_coordinate(l, "", "", where, err)) < 0)
+    if ((rc = begin(l, "", "", err)) < 0)
         return rc;
     for (int i = 0; i < nworkers; i++) {
         if ((rc = start_worker(l, i, nthreads, err)) < 0)
             return rc;
         l->nworkers = i + 1;
     }
-    return 0;
+    return wait_ready(l, where, err);
 }
 
 /* Link a file into the store of a daemon; both are in our folder. */
@@ -479,6 +519,7 @@ end_keeper(struct local *l)
         ;
 }
 
+/* A worker waits for its job's process, so that its time counts as ours. */
 static void
 stop_daemons(struct local *l)
 {

@@ -15,7 +15,7 @@ enum {
     BACKOFF_MS = 500,
     BACKOFF_MAX_MS = 30000,
     BACKOFFS_IN_LINE = 3, /* pauses of one who waits for a turn grow so often */
-    COME_MS = 10,         /* how often to ask for workers that are to come, */
+    COME_MS = 2,          /* how often to ask for workers that are to come, */
     COME_SLOWLY_MS = 2000 /* for so long; then at a tenth of this */
 };
 

@@ -135,7 +135,9 @@ static int
 open_local(struct radcoord *r, struct rad_error *err)
 {
     struct rad_error why = { 0 };
-    struct listener_conf conf = { .fn = on_local, .arg = r };
+    struct listener_conf conf = { .fn = on_local,
+                                  .handed = r->set.common.embedded,
+                                  .arg = r };
     char path[CONF_TEXT + 2];
 
     /* always a path: "x:80" must not be taken for an address, at which the

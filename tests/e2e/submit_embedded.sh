@@ -61,6 +61,26 @@ s = json.load(open("late.json"))
 assert [w["units"] for w in s["workers"]] == [1, 1, 1], s["workers"]
 END
 
+# a worker starts while the coordinator does, and finds its socket
+cat >programs/radd <<END
+#!/bin/sh
+: >radd.begun
+exec "$radd" "\$@"
+END
+cat >programs/radcoord <<END
+#!/bin/sh
+for i in \$(seq 500); do [ -e radd.begun ] && exec "$radcoord" "\$@"; sleep .02; done
+END
+# shellcheck disable=SC2086
+programs/radsubmit --local $view -ab 0 --workers=1 -o both.hdr "$room" \
+    2>stderr || fail "no worker while the coordinator starts: $(cat stderr)"
+body both.hdr >both.body
+same one.body both.body "a coordinator that comes late changes the picture"
+cat >programs/radcoord <<END
+#!/bin/sh
+exec "$radcoord" "\$@"
+END
+
 # a large file is linked into the folders of all, and makes the same picture
 awk 'BEGIN {
     print "2 0 1 500 0 1 500"

@@ -48,6 +48,7 @@ done
 # while the coordinator starts: one that never serves
 mkdir slow && cp "$radsubmit" slow/
 printf '#!/bin/sh\nexec sleep 60\n' >slow/radcoord && chmod +x slow/radcoord
+ln -s "$radd" slow/radd
 interruptible ./slow/radsubmit --local -vf "$scenes/room.vf" -o out.hdr \
     "$scenes/room.rad" 2>stderr &
 pid=$!
