@@ -379,7 +379,7 @@ link_loop_init(uv_loop_t *loop, uv_work_t *first, struct rad_error *err)
     if (uv_loop_init(loop) != 0)
         return rad_fail_memory(err);
     if (first)
-        threads_start(loop, first);
+        threads_start(loop, first, true);
     return 0;
 }
 

@@ -216,7 +216,7 @@ daemon_run(struct daemon *d, int argc, char *argv[])
         rad_fail(&err, RAD_ESHORT, "cannot start: %s", uv_strerror(rc));
         return fail(d, &err);
     }
-    threads_start(&d->loop, &d->first_work);
+    threads_start(&d->loop, &d->first_work, d->set->embedded);
     d->watchdog_ms = service_watchdog_ms();
     if (start(d, &err) == 0) {
         service_notify(d->notify, "READY=1");

@@ -6,8 +6,11 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sysexits.h>
 #include <unistd.h>
+
+#define SIZE "UV_THREADPOOL_SIZE"
 
 /* abort() has raised it in this thread, so nothing else is under way here. */
 static void
@@ -26,10 +29,15 @@ do_nothing(uv_work_t *work)
 }
 
 void
-threads_start(uv_loop_t *loop, uv_work_t *first)
+threads_start(uv_loop_t *loop, uv_work_t *first, bool lone)
 {
     void (*before)(int) = signal(SIGABRT, say_lack);
 
+    lone = lone && !getenv(SIZE);
+    if (lone)
+        setenv(SIZE, "1", 1);
     uv_queue_work(loop, first, do_nothing, NULL);
+    if (lone)
+        unsetenv(SIZE); /* programs that we start have their own */
     signal(SIGABRT, before);
 }

@@ -8,9 +8,12 @@
 #ifndef DAEMON_THREADS_H
 #define DAEMON_THREADS_H
 
+#include <stdbool.h>
 #include <uv.h>
 
-/* *first is the loop's until that has run it. */
-void threads_start(uv_loop_t *loop, uv_work_t *first);
+/* *first is the loop's until that has run it.  lone: a single thread is enough,
+ * unless UV_THREADPOOL_SIZE says otherwise: each more is a fifth of a
+ * millisecond, and libuv waits until all of them run. */
+void threads_start(uv_loop_t *loop, uv_work_t *first, bool lone);
 
 #endif

@@ -26,7 +26,7 @@ is_sanitized || for program in "$radcoord --state=$work/none" \
     "$radsubmit -vf $scenes/room.vf -o none/none.hdr $scenes/room.rad"; do
     # shellcheck disable=SC2086 # words of a command
     expect 75 'cannot start a thread' "no thread: ${program%% *}" \
-        $as prlimit --nproc=2 $program
+        $as prlimit --nproc=1 $program
     # the pool may also be larger than usual
     expect 75 'cannot start a thread' "40 threads: ${program%% *}" \
         $as env UV_THREADPOOL_SIZE=40 prlimit --nproc=20 $program
