@@ -159,6 +159,8 @@ struct rad_ctx {
     bool aside;  /* keep no record */
     bool sensor; /* the pixel is a sensor: set when its ray is traced, and read
                   * at the point that it shows */
+    struct rad_span *relayed; /* gets where an untested shadow ray is sent on
+                               * last; NULL: nowhere (light/direct) */
     int32_t *last_blocker; /* by source or image: object that blocked a shadow
                             * ray last, or RAD_VOID; only makes tests faster */
 };

@@ -59,6 +59,9 @@ struct potential {
     struct rad_rgb val;   /* coef times radiance: the light if unobstructed */
     int32_t source;       /* number of a source or image */
     uint32_t branch;      /* of the shadow ray's key */
+    /* the way from the prism that shows the source: where that is clear val is
+     * what arrives; NULL: only a ray can tell */
+    const struct rad_span *beyond;
 };
 
 /* An entry of the list that says in which order potentials are tested. */
@@ -305,6 +308,44 @@ source_radiance(const struct direct *d, const struct potential *p,
     return sr.L;
 }
 
+/* Does a shadow ray with radiance L bring light?  As in Radiance the mean of
+ * the channels decides: materials on the way may make one of them negative. */
+static bool
+arrives(struct rad_rgb L)
+{
+    return L.r + L.g + L.b > 0;
+}
+
+/* As source_radiance(); also set p->beyond, for a ray that goes through a prism
+ * is dear: functions say where. */
+static struct rad_rgb
+radiance_by_prism(const struct direct *d, struct potential *p,
+                  const struct rad_hit *hit)
+{
+    struct rad_ctx *ctx = d->ctx;
+    struct rad_span *beyond = rad_arena_alloc(&ctx->scratch, sizeof *beyond);
+    struct rad_rgb L;
+
+    if (beyond)
+        beyond->tmax = 0;
+    ctx->relayed = beyond;
+    L = source_radiance(d, p, hit);
+    ctx->relayed = NULL;
+    if (beyond && beyond->tmax > 0 && arrives(L))
+        p->beyond = beyond;
+    return L;
+}
+
+/* Is p's source an image in one prism, and not seen through mist? */
+static bool
+is_bent_once(const struct direct *d, const struct potential *p)
+{
+    const struct rad_sources *s = d->ctx->job->sources;
+    const struct rad_virtual *v = rad_source_virtual(s, p->source);
+
+    return v && v->bend && v->from < s->n && !is_in_mist(d);
+}
+
 /* rad_light_fn: add the sample to the list, unless it has no light. */
 static void
 weigh(void *arg, const struct rad_light_sample *s)
@@ -312,6 +353,7 @@ weigh(void *arg, const struct rad_light_sample *s)
     struct direct *d = arg;
     struct rad_hit hit;
     struct potential *p;
+    struct rad_rgb L;
     uint32_t branch = RAD_BRANCH_SHADOW + d->nsamples++;
 
     if (!reserve(d))
@@ -326,7 +368,10 @@ weigh(void *arg, const struct rad_light_sample *s)
                   : rad_way_aim(d->ctx, &d->r->hit, p->source, s->aim, &p->span,
                                 &hit)))
         return;
-    p->val = rad_rgb_mul(source_radiance(d, p, &hit), p->coef);
+    p->beyond = NULL;
+    L = is_bent_once(d, p) ? radiance_by_prism(d, p, &hit)
+                           : source_radiance(d, p, &hit);
+    p->val = rad_rgb_mul(L, p->coef);
     if (rad_rgb_lum(p->val) > 0)
         d->n++;
 }
@@ -344,14 +389,6 @@ is_plain(const struct direct *d, const struct potential *p)
                              : s->virtuals[p->source - s->n].plain);
 }
 
-/* Does a shadow ray with radiance L bring light?  As in Radiance the mean of
- * the channels decides: materials on the way may make one of them negative. */
-static bool
-arrives(struct rad_rgb L)
-{
-    return L.r + L.g + L.b > 0;
-}
-
 /* Set p->val to the light that comes from p's target, met at hit; false: none
  * does. */
 static bool
@@ -367,6 +404,27 @@ take_light(const struct direct *d, struct potential *p,
     return arrives(sr.L);
 }
 
+/* Is the way from p's prism to the source clear?  VEILED: only a ray can tell.
+ */
+static enum rad_sight
+look_beyond(const struct direct *d, const struct potential *p)
+{
+    struct rad_ctx *ctx = d->ctx;
+    const struct rad_sources *s = ctx->job->sources;
+    int32_t from = s->virtuals[p->source - s->n].from;
+    struct rad_line line;
+    struct rad_hit hit;
+    enum rad_sight seen = rad_geom_sight(
+        ctx->job->geom, p->beyond, rad_source_target(s, from),
+        &ctx->last_blocker[from], &hit, &line, &ctx->counts.geom);
+
+    if (seen != RAD_SIGHT_VEILED) {
+        ctx->counts.rays++;
+        ctx->counts.shadow_rays++;
+    }
+    return seen;
+}
+
 /* The way to the mirror that shows p's image is clear: is it clear from there
  * to the source?  Sets p->val to the light that arrives; false: none does. */
 static bool
@@ -379,6 +437,12 @@ see_in_mirror(const struct direct *d, struct potential *p)
 
     if (v->sure && !is_in_mist(d))
         return true;
+    if (p->beyond) {
+        enum rad_sight seen = look_beyond(d, p);
+
+        if (seen != RAD_SIGHT_VEILED)
+            return seen == RAD_SIGHT_CLEAR;
+    }
     if (!rad_way_aim(d->ctx, &d->r->hit, p->source, p->span.dir, &span, &hit))
         return false;
     if (is_plain(d, p)) {
@@ -533,6 +597,8 @@ rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r)
         !rad_way_aim(ctx, &r->parent->hit, r->source, r->dir, &span, &hit))
         return;
     rad_copy(r->org, span.org);
+    if (r->path & RAD_RAY_UNTESTED && ctx->relayed)
+        *ctx->relayed = span;
     if (r->path & RAD_RAY_UNTESTED || is_clear(ctx, r, &span))
         shade_target(ctx, r, &hit);
 }

@@ -129,6 +129,35 @@ LOOP_TEST(lamp_is_seen_where_its_light_seems_to_come_from, N_ELEM(pretest))
     ck_assert_double_eq(light_at(scene, with(_i, DIRECT " -dr 0"), 0, 0, 1), 0);
 }
 
+/* A screen over half of the pane, between it and the ball, hides the ball where
+ * the light comes by way of that half, x below .73, or lets half through. */
+LOOP_TEST(what_stands_before_the_lamp_dims_its_image, N_ELEM(pretest))
+{
+    static const struct {
+        const char *screen;
+        double left;
+    } before[] = {
+        { "void plastic s 0 0 5 .5 .5 .5 0 0\n", 0 },
+        { "void trans s 0 0 7 .5 .5 .5 0 0 1 1\n", .5 },
+    };
+    char scene[600];
+
+    for (size_t k = 0; k < N_ELEM(before); k++)
+        for (double x = -1.25; x <= 1; x += 1) {
+            double dx = x + .75, d2 = dx * dx + 4;
+            double left = x < .73 ? before[k].left : 1;
+
+            snprintf(scene, sizeof scene,
+                     BALL "void prism1 p 5 .6 x y z f.cal 0 1 .75\n" LEVEL
+                          "%ss polygon screen 0 0 12 -3 -3 1.5 -.01 -3 1.5 "
+                          "-.01 3 1.5 -3 3 1.5\n",
+                     before[k].screen);
+            ck_assert_double_eq_tol(light_at(scene, with(_i, DIRECT), x, 0, 1),
+                                    left * .6 * BALL_FLUX / d2 * 2 / sqrt(d2),
+                                    1e-8);
+        }
+}
+
 /* Two ways, two images. */
 /* A glow of that reach instead: it is as far as its image, not as it is from
  * the unbent place, (x - .75, 0, 0). */
