@@ -6,6 +6,8 @@
 #include "light/direct/source.h"
 #include "pattern/expr.h"
 
+#include <string.h>
+
 struct prism {
     int ways;
     struct rad_expr expr; /* for each way: coefficient and direction */
@@ -62,20 +64,45 @@ rad_prism_way(struct rad_ctx *ctx, const struct rad_material *mat,
            coef > RAD_TINY;
 }
 
+/* The directions, Dx to Dz and DxA to DzA. */
+#define DIRECTIONS (UINT64_C(7) | UINT64_C(7) << RAD_CALC_AIM)
+
+/* As find_way() for a shadow ray to an image of source or image `next`.  Most
+ * such rays to the sun have the directions of the one before. */
+static bool
+find_relay(struct rad_ctx *ctx, const struct prism *m, const struct rad_ray *r,
+           int way, int32_t next, double *coef, double dir[3])
+{
+    struct rad_bent *b = &ctx->bent[r->source];
+    double aim[3];
+
+    rad_source_toward(ctx->job->sources, next, r->hit.p, aim);
+    if (m->expr.channels & ~DIRECTIONS ||
+        memcmp(b->dir, r->dir, sizeof b->dir) != 0 ||
+        memcmp(b->aim, aim, sizeof aim) != 0) {
+        if (!find_way(ctx, m, r, way, aim, &b->coef, b->out))
+            return false;
+        rad_copy(b->dir, r->dir);
+        rad_copy(b->aim, aim);
+    }
+    *coef = b->coef;
+    rad_copy(dir, b->out);
+    return true;
+}
+
 /* Send r on by a way; if `next` >= 0, as a shadow ray to that source or image,
  * which the prism relays. */
 static void
 send(struct rad_ctx *ctx, const struct prism *m, struct rad_ray *r, int way,
      int32_t next)
 {
-    double aim[3], coef, dir[3];
+    double coef, dir[3];
     struct rad_rgb grey;
     struct rad_ray tr;
+    bool found = next < 0 ? find_way(ctx, m, r, way, NULL, &coef, dir)
+                          : find_relay(ctx, m, r, way, next, &coef, dir);
 
-    if (next >= 0)
-        rad_source_toward(ctx->job->sources, next, r->hit.p, aim);
-    if (!find_way(ctx, m, r, way, next >= 0 ? aim : NULL, &coef, dir) ||
-        rad_normalize(dir) == 0)
+    if (!found || rad_normalize(dir) == 0)
         return;
     grey = rad_grey((float)coef);
     if (!rad_ray_spawn(ctx, &tr, RAD_RAY_TRANS, r, &grey,

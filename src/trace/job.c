@@ -20,8 +20,11 @@ rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
     rad_arena_init(&ctx->scratch);
     ctx->last_blocker =
         malloc((n > 0 ? (size_t)n : 1) * sizeof *ctx->last_blocker);
-    if (!ctx->last_blocker)
+    ctx->bent = calloc(n > 0 ? (size_t)n : 1, sizeof *ctx->bent);
+    if (!ctx->last_blocker || !ctx->bent) {
+        rad_ctx_release(ctx);
         return rad_fail_memory(err);
+    }
     for (int32_t i = 0; i < n; i++)
         ctx->last_blocker[i] = RAD_VOID;
     if (job->calc && !(ctx->calc = rad_calc_env_new(job->calc))) {
@@ -66,5 +69,6 @@ rad_ctx_release(struct rad_ctx *ctx)
     rad_calc_env_free(ctx->calc);
     ctx->calc = NULL;
     free(ctx->last_blocker);
+    free(ctx->bent);
     ctx->last_blocker = NULL;
 }

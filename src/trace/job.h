@@ -130,6 +130,12 @@ struct rad_aim {
 struct rad_ambserving;
 
 /* What one thread needs to trace rays.  Not shared, except for `at`. */
+/* How a prism sent a shadow ray on. */
+struct rad_bent {
+    double dir[3], aim[3]; /* of the ray, and to its source; 0: none so far */
+    double coef, out[3];
+};
+
 struct rad_ctx {
     const struct rad_job *job;
     struct rad_arena scratch; /* each user marks and rewinds it */
@@ -163,6 +169,8 @@ struct rad_ctx {
                                * last; NULL: nowhere (light/direct) */
     int32_t *last_blocker; /* by source or image: object that blocked a shadow
                             * ray last, or RAD_VOID; only makes tests faster */
+    struct rad_bent *bent; /* by image: the last shadow ray in its prism, where
+                            * others of those directions go on alike */
 };
 
 /* Initialize a context for one thread.  0, or RAD_ENOMEM and *err. */

@@ -158,6 +158,28 @@ LOOP_TEST(what_stands_before_the_lamp_dims_its_image, N_ELEM(pretest))
         }
 }
 
+/* Rays to the sun have one direction, but the pane's coefficient is .5 at one
+ * place and .6 at another. */
+LOOP_TEST(each_place_of_a_pane_has_its_own_light, N_ELEM(pretest))
+{
+    static const double up[3] = { 0, 0, 1 };
+    double first = 0;
+
+    open_world("void light lit 0 0 3 1e4 1e4 1e4\n"
+               "lit source sun 0 0 4 0 0 1 1\n"
+               "void prism1 p 5 .5+.1*Px Dx Dy Dz . 0 0\n" LEVEL,
+               with(_i, DIRECT));
+    for (int i = 0; i < 3; i++) {
+        double p[3] = { i % 2, 0, 0 };
+        struct rad_ray r;
+
+        rad_ray_irradiance(&w.ctx, &r, p, up, 1);
+        first = i == 0 ? r.L.r : first;
+        ck_assert_double_gt(first, 1);
+        ck_assert_double_eq_tol(r.L.r / first, i % 2 ? 1.2 : 1, 1e-5);
+    }
+}
+
 /* Two ways, two images. */
 /* A glow of that reach instead: it is as far as its image, not as it is from
  * the unbent place, (x - .75, 0, 0). */
