@@ -40,6 +40,9 @@ struct option {
     const char *help;
 };
 
+/* In place of `lo`: what is less than 0 counts as 0, as in rpict. */
+#define FROM_0 (-HUGE_VAL)
+
 #define FIELD(f) offsetof(struct rad_params, f)
 #define BOOL(name, f, on, help)                                                \
     {                                                                          \
@@ -71,27 +74,27 @@ static const struct option options[] = {
     REAL("-pj", pixjitter, 0, .67, "pixel jitter"),
     INT("-ps", psample, INT_MIN, INT_MAX, 4, "pixel sample spacing, 1 to 16"),
     REAL("-pt", maxdiff, 0, .05, "pixel threshold"),
-    REAL("-pm", motion, 0, 0, "pixel motion"),
-    REAL("-pd", aperture, 0, 0, "pixel depth-of-field"),
+    REAL("-pm", motion, FROM_0, 0, "pixel motion"),
+    REAL("-pd", aperture, FROM_0, 0, "pixel depth-of-field"),
     BOOL("-i", irradiance, 0, "irradiance calculation"),
     BOOL("-u", rand_samp, 0, "uncorrelated Monte Carlo sampling"),
     BOOL("-bv", backvis, 1, "back face visibility"),
-    REAL("-dt", shadthresh, 0, .05, "direct threshold"),
+    REAL("-dt", shadthresh, FROM_0, .05, "direct threshold"),
     REAL("-dc", shadcert, 0, .5, "direct certainty"),
     REAL("-dj", srcjitter, 0, 0, "direct jitter"),
-    REAL("-ds", srcsizerat, 0, .25, "direct sampling"),
-    INT("-dr", directrelay, 0, 1000, 1, "direct relays"),
-    INT("-dp", vspretest, 0, INT_MAX, 512, "direct pretest density"),
+    REAL("-ds", srcsizerat, FROM_0, .25, "direct sampling"),
+    INT("-dr", directrelay, FROM_0, 1000, 1, "direct relays"),
+    INT("-dp", vspretest, FROM_0, INT_MAX, 512, "direct pretest density"),
     BOOL("-dv", directvis, 1, "direct visibility"),
     REAL("-ss", specjitter, 0, 1, "specular sampling"),
-    REAL("-st", specthresh, 0, .15, "specular threshold"),
+    REAL("-st", specthresh, FROM_0, .15, "specular threshold"),
     RGB("-av", ambval, "ambient value"),
-    INT("-aw", ambvwt, 0, INT_MAX, 0, "ambient value weight"),
-    INT("-ab", ambounce, 0, DEEPEST, 0, "ambient bounces"),
-    REAL("-aa", ambacc, 0, .2, "ambient accuracy"),
-    INT("-ar", ambres, 0, INT_MAX, 64, "ambient resolution"),
-    INT("-ad", ambdiv, 0, 1 << 24, 512, "ambient divisions"),
-    INT("-as", ambssamp, 0, 1 << 24, 128, "ambient super-samples"),
+    INT("-aw", ambvwt, FROM_0, INT_MAX, 0, "ambient value weight"),
+    INT("-ab", ambounce, FROM_0, DEEPEST, 0, "ambient bounces"),
+    REAL("-aa", ambacc, FROM_0, .2, "ambient accuracy"),
+    INT("-ar", ambres, FROM_0, INT_MAX, 64, "ambient resolution"),
+    INT("-ad", ambdiv, FROM_0, 1 << 24, 512, "ambient divisions"),
+    INT("-as", ambssamp, FROM_0, 1 << 24, 128, "ambient super-samples"),
     { "-ae", KIND_LIST, 0, 0, 0, RAD_AMB_EXCLUDE,
       "modifiers with no ambient calculation" },
     { "-ai", KIND_LIST, 0, 0, 0, RAD_AMB_INCLUDE,
@@ -100,10 +103,10 @@ static const struct option options[] = {
     RGB("-ma", salbedo, "mist scattering albedo"),
     { "-mg", KIND_REAL, FIELD(seccg), -1, 1, 0,
       "mist scattering eccentricity" },
-    REAL("-ms", ssampdist, 0, 0, "mist sampling distance"),
+    REAL("-ms", ssampdist, FROM_0, 0, "mist sampling distance"),
     INT("-lr", maxdepth, -DEEPEST, DEEPEST, 7,
         "limit reflection, 0 or less: Russian roulette"),
-    REAL("-lw", minweight, 0, 1e-4, "limit weight"),
+    REAL("-lw", minweight, FROM_0, 1e-4, "limit weight"),
     INT("-cs", bands.n, 3, INT_MAX, 3, "bands of wavelengths, 3 to 24"),
     { "-cw", KIND_WAVES, FIELD(bands), 1, 1e6, 0,
       "extreme wavelengths in nanometers" },
@@ -229,7 +232,7 @@ bad_range(const struct option *o, double v, const char *text,
 {
     char lo[RAD_NUMBER_TEXT], hi[RAD_NUMBER_TEXT];
 
-    rad_format_real(lo, o->lo);
+    rad_format_real(lo, o->lo == FROM_0 ? 0 : o->lo);
     rad_format_real(hi, o->hi);
     if (v < o->lo && (o->hi >= FLT_MAX || o->hi == INT_MAX))
         return rad_fail(err, RAD_EUSAGE, "option '%s': '%.40s' is less than %s",
@@ -249,6 +252,8 @@ take_int(int *field, const struct option *o, const char *text,
         return rad_fail(err, RAD_EUSAGE,
                         "option '%s': expected an integer, got '%.40s'",
                         o->name, text);
+    if (o->lo == FROM_0 && v < 0)
+        v = 0;
     if (v < o->lo || v > o->hi)
         return bad_range(o, v, text, err);
     *field = v;
@@ -265,6 +270,8 @@ take_real(double *field, const struct option *o, const char *text,
         return rad_fail(err, RAD_EUSAGE,
                         "option '%s': expected a number, got '%.40s'", o->name,
                         text);
+    if (o->lo == FROM_0 && v < 0)
+        v = 0;
     if (v < o->lo || v > o->hi)
         return bad_range(o, v, text, err);
     *field = v;

@@ -170,12 +170,10 @@ number(struct parser *ps)
     ps->p = p;
     skip_blanks(ps);
     if (n) {
-        n->number = strtod(buf, NULL);
+        n->number = strtod(buf, NULL); /* may be infinite, as in Radiance */
         n->literal = true;
     }
-    return n && isfinite(n->number)
-               ? n
-               : fail(ps, RAD_EDATA, "number out of range");
+    return n;
 }
 
 static struct node *

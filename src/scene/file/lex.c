@@ -196,18 +196,19 @@ rad_lex_count(struct rad_lex *lex, const char *what, int max, int *n,
 {
     int rc = number_word(lex, what, err);
     const char *p = lex->word;
+    bool minus = *p == '-';
     long v = 0;
 
     if (rc)
         return rc;
-    p += *p == '+';
+    p += minus || *p == '+';
     if (*p < '0' || *p > '9')
         return rad_fail(err, RAD_EDATA, "expected %s, got '%s'", what,
                         lex->word);
     for (; *p >= '0' && *p <= '9'; p++)
         if (v <= max)
             v = 10 * v + (*p - '0');
-    if (*p)
+    if (*p || (minus && v > 0))
         return rad_fail(err, RAD_EDATA, "expected %s, got '%s'", what,
                         lex->word);
     if (v > max)

@@ -118,6 +118,26 @@ LOOP_TEST(booleans_set_clear_and_toggle, N_ELEM(switches))
     ck_assert_int_eq(p.directvis, switches[_i].on);
 }
 
+TEST(what_is_less_than_0_counts_as_0_where_rpict_takes_it_so)
+{
+    struct rad_params p, q;
+
+    rad_params_init(&p);
+    q = p;
+    ck_assert_int_gt(take(&p,
+                          "-pm -1 -pd -.1 -dt -.1 -ds -1 -dr -1 -dp -2 -st -1 "
+                          "-aw -3 -ab -1 -aa -.1 -ar -1 -ad -5 -as -1 -ms -1 "
+                          "-lw -1e-5",
+                          NULL),
+                     0);
+    ck_assert_int_gt(take(&q,
+                          "-pm 0 -pd 0 -dt 0 -ds 0 -dr 0 -dp 0 -st 0 -aw 0 "
+                          "-ab 0 -aa 0 -ar 0 -ad 0 -as 0 -ms 0 -lw 0",
+                          NULL),
+                     0);
+    ck_assert_mem_eq(&p, &q, sizeof p);
+}
+
 static const struct {
     const char *text, *what;
 } bad[] = {
@@ -137,14 +157,14 @@ static const struct {
     { "-dt inf", "option '-dt': expected a number, got 'inf'" },
     { "-dt 0x10", "option '-dt': expected a number, got '0x10'" },
     { "-dt 1e999", "option '-dt': expected a number, got '1e999'" },
-    { "-dt -.1", "option '-dt': '-.1' is less than 0" },
-    { "-ab -1", "option '-ab': '-1' is not between 0 and 30000" },
+    { "-dj -.1", "option '-dj': '-.1' is less than 0" },
+    { "-ab 30001", "option '-ab': '30001' is not between 0 and 30000" },
     { "--seed=-1", "option '--seed': expected a whole number from 0 to "
                    "18446744073709551615, got '-1'" },
     { "--seed=18446744073709551616",
       "option '--seed': expected a whole number from 0 to "
       "18446744073709551615, got '18446744073709551616'" },
-    { "-pm -1", "option '-pm': '-1' is less than 0" },
+    { "-pj -1", "option '-pj': '-1' is less than 0" },
     { "-pc 1 1 1 1", "option '-pc': expected 8 values, got 4" },
     { "-pc .7 .3 .2 .7 .1 .1 .3 x", "option '-pc': expected a number, got "
                                     "'x'" },

@@ -93,7 +93,7 @@ TEST(objects_are_read_as_written)
 {
     static const char text[] =
         "# a comment\n"
-        "void\n\t# red\nplastic red\n0 0 # no strings\n5 .5 0\r\n0 .1 .2\n"
+        "void\n\t# red\nplastic red\n-0 +0 # no strings\n5 .5 0\r\n0 .1 .2\n"
         "\f\n"
         "void brighttext \"a 'b'\" 3 helvet.fnt #4 don't 'x 0\n"
         "11 0 0 0 1 0 0 0 -1 0 1 .5\n"
