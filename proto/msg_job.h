@@ -61,6 +61,13 @@ struct msg_spec {
                            * SUBMIT zeros mean the user's last job that fits */
 };
 
+/* Rendered pixels a side of each pixel of the picture, from 1. */
+static inline int
+msg_oversample(const struct msg_spec *spec)
+{
+    return spec->oversample > 1 ? spec->oversample : 1;
+}
+
 /* Does the job go on until its picture is good enough, or its time is up? */
 static inline bool
 msg_has_goal(const struct msg_spec *spec)

@@ -148,17 +148,10 @@ print_count(double n)
         printf("%s million", figure(text, n / 1e6, 3));
 }
 
-/* Samples along a side of each pixel. */
-static int
-samples_a_side(const struct msg_spec *spec)
-{
-    return spec->oversample > 1 ? spec->oversample : 1;
-}
-
 static void
 print_picture(const struct msg_spec *spec, const struct prediction *p)
 {
-    int n = samples_a_side(spec);
+    int n = msg_oversample(spec);
 
     if (p->points > 0)
         printf("points   %" PRIu32, p->points);
@@ -229,7 +222,7 @@ char *
 dryrun_json(const struct msg_spec *spec, const char *options,
             const struct prediction *p, const struct dryrun_cluster *c)
 {
-    int n = samples_a_side(spec);
+    int n = msg_oversample(spec);
     json_t *j = json_pack(
         "{s:b,s:s,s:s,s:I,s:i,s:{s:I,s:I,s:o},s:{s:i,s:i,s:I},"
         "s:{s:b,s:i,s:i,s:i,s:i},"

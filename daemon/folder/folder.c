@@ -141,7 +141,7 @@ folder_new_job(const struct folder *f, const struct msg_spec *spec,
         memcpy(j->id, spec->job, MSG_JOB);
         j->depth = spec->flags & MSG_JOB_DEPTH;
         j->points = spec->flags & MSG_JOB_POINTS;
-        j->oversample = spec->oversample > 1 ? spec->oversample : 1;
+        j->oversample = msg_oversample(spec);
         j->clamp = spec->clamp;
         j->edges = spec->flags & MSG_JOB_EDGES;
         j->kind = kind_of(f, spec);

@@ -165,7 +165,7 @@ struct job_size
 job_size(const struct job *job)
 {
     const struct msg_frame *f = &job->spec.frames[0];
-    int n = job->spec.oversample > 1 ? job->spec.oversample : 1;
+    int n = msg_oversample(&job->spec);
 
     return (struct job_size){ (uint32_t)rad_filter_side((int)f->width, n),
                               (uint32_t)rad_filter_side((int)f->height, n),
