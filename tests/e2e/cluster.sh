@@ -24,6 +24,10 @@ make_key()
         fail "no key for $1"
 }
 
+# the owner of what comes by user.key: a user's key is not the daemon's own login
+ana=ana
+[ "$(id -un)" != ana ] || ana=user:ana
+
 make_keys()
 {
     for k in 1 2 3 4 5 6 7 8 9; do

@@ -65,7 +65,7 @@ mine=$("$radsubmit" --coordinator="$sock" --detach $view "$room" 2>stderr) ||
     fail "one that is waited for: $(cat stderr)"
 detach 14
 cp ids first
-until_true 60 has_states ana done=14 || fail "ana's: $(states ana)"
+until_true 60 has_states $ana done=14 || fail "ana's: $(states $ana)"
 has_states "$me" done=2 || fail "another's jobs went: $(states "$me")"
 "$radctl" --coordinator="$sock" jobs >jobs
 [ "$(grep -c 'not fetched; kept until 20' jobs)" -eq 15 ] ||
@@ -79,8 +79,8 @@ done <first
 cmp fetched.hdr waited.hdr || fail "a picture differs"
 end_one "$coord_pid" coordinator
 coord_start
-until_true 10 has_states ana "done=10 forgotten=4" ||
-    fail "of those that were fetched ten are kept: $(states ana)"
+until_true 10 has_states $ana "done=10 forgotten=4" ||
+    fail "of those that were fetched ten are kept: $(states $ana)"
 has_states "$me" done=2 || fail "another's jobs went: $(states "$me")"
 old=$(head -n 1 first)
 expect 66 "forgotten for keep_jobs on 20" "fetch" ana fetch "$old" -o gone.hdr
@@ -96,13 +96,13 @@ expect 66 "forgotten for keep_jobs on 20" "an admin's fetch" \
 end_one "$pid_1" "worker 1"
 worker_start 1 1
 detach 12
-until_true 60 has_states ana "done=22 forgotten=4" ||
-    fail "what was fetched counts with what was not: $(states ana)"
+until_true 60 has_states $ana "done=22 forgotten=4" ||
+    fail "what was fetched counts with what was not: $(states $ana)"
 "$radctl" --coordinator="$sock" fetch "$mine" -o mine.hdr || fail "mine went"
 settings 0 100
 kill -HUP "$coord_pid"
-until_true 10 has_states ana "done=10 forgotten=16" ||
-    fail "SIGHUP does not change it: $(states ana)"
+until_true 10 has_states $ana "done=10 forgotten=16" ||
+    fail "SIGHUP does not change it: $(states $ana)"
 "$radctl" --coordinator="$sock" jobs >jobs 2>stderr
 grep -q '16 jobs are forgotten, the last was forgotten for keep_jobs on 20' \
     stderr || fail "jobs does not tell of them: $(cat stderr)"
@@ -114,7 +114,7 @@ grep -q '^job  *state  *owner  *name  *note$' jobs ||
     fail "of a forgotten job it tells what nobody knows: $(head -n 2 jobs)"
 [ "$(grep -c 'forgotten for keep_jobs on .* UTC, not fetched$' jobs)" -eq 2 ] ||
     fail "jobs does not say that nobody had two: $(cat jobs)"
-grep -q 'job forgotten job=.* owner=ana why=forgotten for keep_jobs on 20' c.log ||
+grep -q 'job forgotten job=.* owner='$ana' why=forgotten for keep_jobs on 20' c.log ||
     fail "the log does not say whose"
 
 # Rather than that something is lost no more is taken.

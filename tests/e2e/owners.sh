@@ -34,8 +34,9 @@ make_keys
 make_key "user:$me" me.key
 make_key "admin:$me" boss.key
 make_key user:bob.smith bob.key
+make_key "user:$other" none.key
 chmod 755 "$work"
-coord_options="--logins=ana=-,bob.smith=$other"
+coord_options="--logins=$other=-,bob.smith=$other"
 coord_start
 id=$(submit socket "$radsubmit" --coordinator="$sock")
 is "$me" "$id"
@@ -46,8 +47,8 @@ expect 77 "belongs to another user" "a user's key of an administrator's name" \
     "$radctl" --coordinator="$tcp" --key="$work/me.key" cancel "$id"
 is "$me" "$(submit admin "$radsubmit" --coordinator="$tcp" \
     --key="$work/boss.key")"
-is user:ana "$(submit ana "$radsubmit" --coordinator="$tcp" \
-    --key="$work/user.key")"
+is "user:$other" "$(submit none "$radsubmit" --coordinator="$tcp" \
+    --key="$work/none.key")"
 key=$(submit key "$radsubmit" --coordinator="$tcp" --key="$work/bob.key")
 is "$other" "$key"
 
@@ -88,5 +89,5 @@ is "$other" "$key"
 
 expect 64 "'logins': 'bob': expected KEY=LOGIN" "a bad map" \
     "$radcoord" --listen= --socket="$work/x.sock" --state="$work/x" \
-    --logins=ana=-,bob
+    --logins=$other=-,bob
 cluster_finish

@@ -53,7 +53,7 @@ mine=$("$radsubmit" --coordinator="$sock" --detach --name=mine \
 
 count $((jobs + 1)) jobs
 sed -n 2p rows | grep -q "^$mine " || fail "who is served first comes first"
-count $jobs jobs --user=ana
+count $jobs jobs --user=$ana
 count 1 jobs --user="$(id -un)"
 count 1 jobs --user="uid:$(id -u)"
 count 0 jobs --user=bob
@@ -78,7 +78,7 @@ expect 64 "option '--state': empty value" "a state that is empty" \
 expect 64 "option '--json' takes no value" "a switch with a value" \
     "$radctl" --coordinator="$sock" jobs --json=1
 expect 64 "--user goes with" "of workers" \
-    "$radctl" --coordinator="$sock" workers --user=ana
+    "$radctl" --coordinator="$sock" workers --user=$ana
 
 # several by name; what fails is told and does not stop the others
 first=$(sed -n 1p ids) second=$(sed -n 2p ids)
@@ -105,7 +105,7 @@ expect 64 "--all or ID" "all and one" \
     "$radctl" --coordinator="$sock" cancel --all "$mine"
 expect 64 "missing ID" "none" "$radctl" --coordinator="$sock" cancel
 # an administrator's word for a user
-[ "$(ctl delete --all --user=ana)" = "$((jobs - 1)) jobs deleted" ] ||
+[ "$(ctl delete --all --user=$ana)" = "$((jobs - 1)) jobs deleted" ] ||
     fail "delete --all --user"
 count 1 jobs
 expect 66 "no such job" "deleted" \
