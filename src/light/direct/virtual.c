@@ -193,15 +193,20 @@ fold_bent(void *arg, const struct rad_light_sample *s)
 
 /* The reach of a glow is compared with the distance to its image.  Let the
  * source that is sampled have no reach, since its distance from `there` is
- * another where a prism is on the way. */
+ * another where a prism is on the way.  Nor has it a spotlight's cone: a prism
+ * turns a ray as its functions say, not just as its image does, and the ray
+ * that meets the lamp tells whether it leaves within the cone. */
 static void
 bend_reach(struct unfolded *u, struct rad_source *boundless)
 {
-    if (!(u->root->flags & RAD_LIGHT_NEAR))
+    if (!(u->root->flags & (RAD_LIGHT_NEAR | RAD_LIGHT_SPOT)))
         return;
-    u->reach = u->root->reach;
     *boundless = *u->root;
+    if (boundless->flags & RAD_LIGHT_NEAR)
+        u->reach = boundless->reach;
     boundless->flags &= ~(unsigned)RAD_LIGHT_NEAR;
+    boundless->spot.omega = 4 * M_PI;
+    boundless->apex = INFINITY;
     u->root = boundless;
 }
 
