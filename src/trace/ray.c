@@ -97,7 +97,8 @@ static bool
 lives_in_tree(const struct rad_ctx *ctx, struct rad_ray *r)
 {
     double several = rad_most(ctx->job->params.specjitter, 1);
-    double most = (ctx->walk > 0 ? RAD_MAX_WALK : RAD_MAX_TREE) * several;
+    bool many = ctx->walk > 0 || r->path & RAD_RAY_AMBIENT;
+    double most = (many ? RAD_MAX_WALK : RAD_MAX_TREE) * several;
 
     if (ctx->tree <= most)
         return true;

@@ -266,6 +266,23 @@ LOOP_TEST(trees_of_surfaces_that_make_light_end, N_ELEM(endless))
     ck_assert_uint_lt(w.ctx.counts.rays, 4 * RAD_MAX_TREE);
 }
 
+/* Those of hemispheres have a smaller bound, for there are many. */
+TEST(trees_of_hemispheres_that_make_light_end_sooner)
+{
+    double p[3] = { 0, 0, 1 }, n[3] = { 0, 0, -1 };
+    struct rad_ray r;
+
+    world_open(&w,
+               "void metal e 0 0 5 1.1 1.1 1.1 1 0\n"
+               "e bubble far 0 0 4 0 0 0 9\n"
+               "void BRTDfunc m 10 .9 .9 .9 .9 .9 .9 0 0 0 . 0 9 "
+               "1 1 1 1 1 1 .5 .5 .5 m" SQUARE,
+               "-lr 0 -lw .01 -ab 1 -ad 32 -as 0");
+    rad_ray_irradiance(&w.ctx, &r, p, n, 1);
+    ck_assert_uint_gt(w.ctx.counts.rays, RAD_MAX_TREE);
+    ck_assert_uint_lt(w.ctx.counts.rays, 36 * 4 * RAD_MAX_WALK);
+}
+
 /* An infinite radiance is black, a negative channel cut off; both count. */
 static const struct {
     const char *text;
