@@ -26,11 +26,10 @@
 
 /* A pixel's ray, or a hemisphere's, is the root of a tree of the rays that it
  * branches into; a path that is walked to find light beyond -ab (rad_ctx.walk)
- * is all of one tree.  Hemispheres' trees, of which there are many, and walks
- * have the smaller bound: beside it a hemisphere's has few rays (31 in mirrors
- * at most).  From so many rays on, times -ss where that asks for several at a
- * surface, the branches of a tree play Russian roulette: converters write
- * reflectances above 1, and among these no -lw ends a tree. */
+ * is all of one tree.  Walks and hemispheres, which are many (of 31 rays at
+ * most in rooms of mirrors), have the smaller bound.  From so many rays on,
+ * times -ss where that asks for several at a surface, branches play Russian
+ * roulette: converters write reflectances above 1, where no -lw ends a tree. */
 #define RAD_MAX_TREE 4096
 #define RAD_MAX_WALK 256
 
