@@ -113,8 +113,9 @@ order_give_lines(struct strict *s, struct strict_unit *u, int last)
     int end = u->last;
 
     if (last < end) {
-        /* and the base line above, which the next worker would make again */
-        for (int i = last - 1; i < end; i++)
+        /* the next worker would make the base line above again */
+        out_base_facts(s, u, last - 1);
+        for (int i = last; i < end; i++)
             out_facts(s, &s->urgent, u, i);
         strict_unit_end_at(s, u, last);
         guess_send(s, u);

@@ -82,24 +82,41 @@ item_free(struct item *it)
     free(it);
 }
 
-void
-out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
-          int line)
+/* Queue the facts of a line's rows from `row' on. */
+static void
+push_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
+           int line, int row)
 {
     const struct rad_facts *facts = facts_at(s, u->frame, line);
     struct item it = { .kind = ITEM_FACTS,
                        .unit = u->unit,
                        .attempt = u->attempt,
                        .frame = u->frame,
-                       .line = line };
+                       .line = line,
+                       .row = row };
 
     if (!facts || rad_facts_fresh(facts) == 0)
         return;
     for (const struct item *i = q->first; i; i = i->next)
         if (i->kind == ITEM_FACTS && i->frame == u->frame && i->line == line &&
-            i->row == 0)
+            i->row <= row)
             return;
     push(s, q, &it);
+}
+
+void
+out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
+          int line)
+{
+    push_facts(s, q, u, line, 0);
+}
+
+void
+out_base_facts(struct strict *s, const struct strict_unit *u, int line)
+{
+    int rows = team_line_rows(&frame_of(s, u->frame)->q, line);
+
+    push_facts(s, &s->urgent, u, line, rows - 1);
 }
 
 void

@@ -11,6 +11,9 @@ void out_release(struct strict *s);
 /* Queue the facts of a line that were not sent. */
 void out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
                int line);
+/* Queue, as urgent, those of a line's base line alone: the worker of the unit
+ * below has no use for the bar. */
+void out_base_facts(struct strict *s, const struct strict_unit *u, int line);
 /* Queue the densities after a line, and how many lines they follow from. */
 void out_guess(struct strict *s, const struct strict_unit *u, int line,
                int known, const uint8_t *density);

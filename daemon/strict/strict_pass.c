@@ -229,7 +229,7 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
         strict_unit_advance(u, PROGRESS_LINES);
     if (p->spec.mode == TEAM_LINES && !strict_has_true_top(p) &&
         u->last < f->nlines && !strict_unit_below(s, u)) {
-        out_facts(s, &s->urgent, u, u->last - 1);
+        out_base_facts(s, u, u->last - 1);
         guess_send(s, u);
     }
 }

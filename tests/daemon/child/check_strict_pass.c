@@ -166,6 +166,45 @@ TEST(a_better_guess_from_above_makes_the_lines_again)
     expect_pass(STRICT_TRUTH, true);
 }
 
+/* One more pixel of a row of line 5 is traced by that pass. */
+static void
+trace_of_5(struct strict_pass *p, int row)
+{
+    ck_assert_ptr_nonnull(p);
+    ck_assert(rad_facts_put(p->spec.facts[5], 0, row, black, 0));
+}
+
+/* Only the base line is of use to the worker below: what was traced of the bar
+ * above it is sent when the unit has waited for long, and not with a guess. */
+TEST(a_guess_goes_with_facts_of_the_base_line_alone)
+{
+    int base = team_line_rows(&q, 5) - 1;
+    const struct msg *m;
+    struct strict_pass *p;
+
+    give_unit(0, 4, 6);
+    make_pass(STRICT_LINES, 4, 0);
+    trace_of_5(p = strict_next(s, STRICT_AHEAD), 0);
+    end_black(p, true);
+    give_facts(3);
+    trace_of_5(p = strict_next(s, STRICT_AHEAD), base);
+    ck_assert_int_eq(p->rank, STRICT_LINES);
+    end_black(p, true);
+    while ((m = strict_message(s, true)) && m->type != MSG_FACTS)
+        ;
+    ck_assert(m && m->facts.line == 5);
+    ck_assert_uint_eq(m->facts.row, (uint32_t)base);
+    ck_assert_uint_eq(m->facts.npixels, 1);
+    ck_assert(!is_said(MSG_FACTS));
+    expect_pass(STRICT_AHEAD, false);
+    strict_tick(s, 1000);
+    strict_tick(s, 1200);
+    while ((m = strict_message(s, true)) && m->type != MSG_FACTS)
+        ;
+    ck_assert(m && m->facts.line == 5 && m->facts.row == 0);
+    ck_assert_uint_eq(m->facts.npixels, 1);
+}
+
 /* A unit that has waited for long is worked on, as facts of the line above
  * come, and waits again: what it has traced since then goes up, too. */
 TEST(facts_of_a_unit_that_waits_again_are_sent)
