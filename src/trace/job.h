@@ -129,13 +129,13 @@ struct rad_aim {
 
 struct rad_ambserving;
 
-/* What one thread needs to trace rays.  Not shared, except for `at`. */
 /* How a prism sent a shadow ray on. */
 struct rad_bent {
     double dir[3], aim[3]; /* of the ray, and to its source; 0: none so far */
-    double coef, out[3];
+    double coef, out[3];   /* coefficient and direction of the ray beyond */
 };
 
+/* What one thread needs to trace rays.  Not shared, except for `at`. */
 struct rad_ctx {
     const struct rad_job *job;
     struct rad_arena scratch; /* each user marks and rewinds it */
@@ -174,7 +174,6 @@ struct rad_ctx {
 };
 
 /* Initialize a context for one thread.  0, or RAD_ENOMEM and *err. */
-
 int rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
                  struct rad_error *err);
 void rad_ctx_release(struct rad_ctx *ctx);

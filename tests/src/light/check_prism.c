@@ -180,9 +180,73 @@ LOOP_TEST(each_place_of_a_pane_has_its_own_light, N_ELEM(pretest))
     }
 }
 
-/* Two ways, two images. */
-/* A glow of that reach instead: it is as far as its image, not as it is from
- * the unbent place, (x - .75, 0, 0). */
+/* Rays to the lamp go straight on, each dimmed by its own direction. */
+LOOP_TEST(each_direction_has_its_own_light, N_ELEM(pretest))
+{
+    static const double up[3] = { 0, 0, 1 };
+
+    open_world(BALL "void prism1 p 5 .5+.1*Dx Dx Dy Dz . 0 0\n" LEVEL,
+               with(_i, DIRECT));
+    for (double x = -1; x <= 1; x += .5) {
+        double p[3] = { x, 0, 0 }, d2 = x * x + 4, d = sqrt(d2);
+        struct rad_ray r;
+
+        rad_ray_irradiance(&w.ctx, &r, p, up, 1);
+        ck_assert_double_eq_tol(
+            r.L.r, (.5 - .1 * x / d) * BALL_FLUX / d2 * 2 / d, 1e-8);
+    }
+}
+
+/* Rays to a sun of 60 degrees have one aim and many directions: the pane lets
+ * all of what leans to one side through, and a tenth of the rest. */
+LOOP_TEST(each_part_of_the_sun_has_its_own_light, N_ELEM(pretest))
+{
+    static const char *const share[] = { "1", ".5+if(Dx,.5,-.4)" };
+    static const double up[3] = { 0, 0, 1 }, p[3] = { 0, 0, 0 };
+    double sum[2] = { 0 };
+    char scene[400];
+
+    for (int k = 0; k < 2; k++) {
+        snprintf(scene, sizeof scene,
+                 "void light s 0 0 3 1 1 1 s source sun 0 0 4 0 0 1 60\n"
+                 "void prism1 p 5 %s Dx Dy Dz . 0 0\n" LEVEL,
+                 share[k]);
+        open_world(scene, with(_i, "-av 0 0 0 -dj 1 -dt 0 -ds 0 -dr 1"));
+        for (uint64_t key = 0; key < 400; key++) {
+            struct rad_ray r;
+
+            rad_ray_irradiance(&w.ctx, &r, p, up, key);
+            sum[k] += r.L.r;
+        }
+    }
+    ck_assert_double_eq_tol(sum[1] / sum[0], .55, .1);
+}
+
+/* Seen in mist all light is dimmed alike, that of an image, too. */
+LOOP_TEST(mist_veils_an_image, N_ELEM(pretest))
+{
+    static const char *const pane[] = {
+        "", "void prism1 p 5 .6 Dx Dy Dz . 0 0\n" LEVEL
+    };
+    double L[2];
+    char scene[600];
+
+    for (int k = 0; k < 2; k++) {
+        snprintf(scene, sizeof scene,
+                 BALL "void mist fog 0 0 7 .2 .2 .2 0 0 0 0\n"
+                      "fog sphere air 0 0 4 0 0 0 5\n"
+                      "void plastic f 0 0 5 .5 .5 .5 0 0\n"
+                      "f ring floor 0 0 8 0 0 0 0 0 1 0 .2\n%s",
+                 pane[k]);
+        open_world(scene, with(_i, DIRECT));
+        L[k] = world_see(&w, 8, 0, .5, -8, 0, -.5).g;
+    }
+    ck_assert_double_gt(L[0], 0);
+    ck_assert_double_eq_tol(L[1] / L[0], .6, 1e-4);
+}
+
+/* A glow has its reach from the image, not from the unbent place,
+ * (x - .75, 0, 0). */
 LOOP_TEST(glow_reaches_along_the_bent_way, N_ELEM(pretest))
 {
     char scene[400];
@@ -230,6 +294,7 @@ LOOP_TEST(spotlight_shines_where_rays_see_it, N_ELEM(pretest))
     ck_assert_int_gt(lit, 50);
 }
 
+/* Two ways, two images. */
 LOOP_TEST(prism2_has_two_images, N_ELEM(pretest))
 {
     static const char *scene =
@@ -314,23 +379,35 @@ LOOP_TEST(lamp_across_the_plane_of_a_prism_has_no_image, N_ELEM(pretest))
 }
 
 /* From the ball to a mirror in the plane x = 1, from there at (2, 0, 2) to the
- * pane's middle, bent by .5; and all of it the other way round. */
+ * pane's middle, bent by .5; and all of it the other way round.  A black ball
+ * on the way hides that image. */
 LOOP_TEST(prism_and_mirror_relay_each_other, N_ELEM(pretest))
 {
-    static const char *scene =
-        BALL "void mirror m 0 0 3 .5 .5 .5\n"
-             "m polygon wall 0 0 12 1 -9 1.01 1 -9 9 1 9 9 1 9 1.01\n"
-             "void prism1 p 5 .6 x y z f.cal 0 1 .5\n" LEVEL;
+    static const char *const blocker[] = { "",
+                                           "k sphere b 0 0 4 .65 0 1.2 .2\n",
+                                           "k sphere b 0 0 4 .5 0 1.7 .3\n" };
+    char scene[600];
     /* (-2, 0, -1)/1 + (.5, 0, 0): normalized .5 is sqrt(5)/2 */
     double slope = -2 + .5 * sqrt(5), image = -slope;
     double straight = .5, x = -.5;
     double a = x - image, b = x + straight;
-    double expect =
-        .6 * 2 * BALL_FLUX * (.5 * pow(a * a + 4, -1.5) + pow(b * b + 4, -1.5));
 
-    ck_assert_double_eq_tol(
-        light_at(scene, with(_i, "-av 0 0 0 -dj 0 -dt 0 -ds 0 -dr 2"), x, 0, 1),
-        expect, 1e-7);
+    for (int k = 0; k < N_ELEM(blocker); k++) {
+        double expect =
+            .6 * 2 * BALL_FLUX *
+            ((k == 0 ? .5 : 0) * pow(a * a + 4, -1.5) + pow(b * b + 4, -1.5));
+
+        snprintf(scene, sizeof scene,
+                 BALL "void mirror m 0 0 3 .5 .5 .5\n"
+                      "m polygon wall 0 0 12 1 -9 1.01 1 -9 9 1 9 9 1 9 1.01\n"
+                      "void plastic k 0 0 5 0 0 0 0 0\n%s"
+                      "void prism1 p 5 .6 x y z f.cal 0 1 .5\n" LEVEL,
+                 blocker[k]);
+        ck_assert_double_eq_tol(
+            light_at(scene, with(_i, "-av 0 0 0 -dj 0 -dt 0 -ds 0 -dr 2"), x, 0,
+                     1),
+            expect, 1e-7);
+    }
 }
 
 LOOP_TEST(what_is_in_the_way_casts_its_shadow, N_ELEM(pretest))
