@@ -126,7 +126,7 @@ stats = json.load(open("many.json"))
 told = stats["predicted"]
 amount = r"([\d.]+)((?: thousand| million| MB| s| min| h)?)"
 said = re.search(
-    fr"^scene +(\d+) objects, {amount} to.*^memory +{amount} of.*"
+    fr"^scene +(\d+) objects, {amount} of files$.*^memory +{amount} of.*"
     fr"^rays +{amount}, {amount} of them primary; ambient values: {amount}$.*"
     fr"^time +{amount} of one .*; about {amount}$", open("said").read(),
     re.M | re.S).groups()
