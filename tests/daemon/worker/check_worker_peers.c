@@ -419,6 +419,20 @@ TEST(passes_that_are_closed_wait_for_one_that_lacks_records)
     ck_assert(f.last.holds.pass == WJOB_PASSES && !f.last.holds.whole);
 }
 
+TEST(records_for_a_peer_wait_for_the_link_to_it)
+{
+    struct msg feed = { .type = MSG_FEED, .feed = { job_id, 1, { "ws2" } } };
+
+    begin_passes();
+    introduce(MSG_PEER_DIAL);
+    hear(f.coord, &feed);
+    tile_records(f.coord, 0, 0);
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 0);
+    peer_opened();
+    ck_assert_int_eq(said(f.peer, MSG_PEER_HELLO), 1);
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 1);
+}
+
 TEST(records_go_on_once_to_peers_that_are_fed)
 {
     struct msg feed = { .type = MSG_FEED, .feed = { job_id, 1, { "ws2" } } };
