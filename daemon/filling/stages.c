@@ -45,13 +45,6 @@ unpack_rungs(const uint8_t packed[2])
                                       unpack_rung(packed[1]) };
 }
 
-static void
-pack_rungs(struct rad_refine_rungs rungs, uint8_t packed[2])
-{
-    packed[0] = pack_rung(rungs.ambient);
-    packed[1] = pack_rung(rungs.pixel);
-}
-
 int
 stages_params(const struct job *job, struct rad_params *out,
               struct rad_error *err)
@@ -170,8 +163,7 @@ make_ask(const struct coord *c, const struct job *job,
         .stage = g->number,
         .rungs = unpack_rungs(g->rungs),
         .sums = found->sums,
-        .past = { unpack_rungs(g->past_rungs), g->past[0], g->past[1],
-                  g->past[2], g->past[3] },
+        .past = g->past,
         .rays = found->rays + reused_rays(job),
         .check = found->check,
         .samples = own_samples(job),
@@ -216,16 +208,13 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
     g->state = on                          ? GOAL_AHEAD
                : rad_refine_is_short(&ask) ? GOAL_SHORT
                                            : GOAL_REACHED;
-    pack_rungs(next, g->rungs);
+    g->rungs[0] = pack_rung(next.ambient);
+    g->rungs[1] = pack_rung(next.pixel);
     if (on) {
         g->number++;
         g->base += n;
         g->begun_s = goal_spent_s(job, c->now_ms);
-        pack_rungs(known.rungs, g->past_rungs);
-        g->past[0] = known.ambient;
-        g->past[1] = known.pixel;
-        g->past[2] = known.noise;
-        g->past[3] = known.places;
+        g->past = known;
     }
     if (!set_options(job))
         c->actions.failed = true;
@@ -256,10 +245,12 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
     wire_put_u8(&w, g->rungs[1]);
     wire_put_f64(&w, g->error);
     wire_put_f64(&w, g->mean);
-    wire_put_u8(&w, g->past_rungs[0]);
-    wire_put_u8(&w, g->past_rungs[1]);
-    for (int i = 0; i < GOAL_PAST; i++)
-        wire_put_f64(&w, g->past[i]);
+    wire_put_u8(&w, pack_rung(g->past.rungs.ambient));
+    wire_put_u8(&w, pack_rung(g->past.rungs.pixel));
+    wire_put_f64(&w, g->past.ambient);
+    wire_put_f64(&w, g->past.pixel);
+    wire_put_f64(&w, g->past.noise);
+    wire_put_f64(&w, g->past.places);
     wire_put_u64(&w, (uint64_t)(1000 * goal_spent_s(job, c->now_ms)));
     if (w.bad)
         c->actions.failed = true;
@@ -269,10 +260,17 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
 }
 
 static bool
+is_sound(const struct rad_refine_known *k)
+{
+    return fmin(fmin(k->ambient, k->pixel), fmin(k->noise, k->places)) >= 0 &&
+           isfinite(k->ambient + k->pixel + k->noise + k->places);
+}
+
+static bool
 unpack(struct job_goal *g, const struct saved_pass *p)
 {
     struct wire_in in;
-    bool ended, is_short, sound = true;
+    bool ended, is_short;
 
     wire_in_init(&in, p->bytes, p->len);
     if (wire_get_u8(&in) != LAYOUT)
@@ -285,15 +283,15 @@ unpack(struct job_goal *g, const struct saved_pass *p)
     g->rungs[1] = wire_get_u8(&in);
     g->error = wire_get_f64(&in);
     g->mean = wire_get_f64(&in);
-    g->past_rungs[0] = wire_get_u8(&in);
-    g->past_rungs[1] = wire_get_u8(&in);
-    for (int i = 0; i < GOAL_PAST; i++) {
-        g->past[i] = wire_get_f64(&in);
-        sound = sound && g->past[i] >= 0 && isfinite(g->past[i]);
-    }
+    g->past.rungs.ambient = unpack_rung(wire_get_u8(&in));
+    g->past.rungs.pixel = unpack_rung(wire_get_u8(&in));
+    g->past.ambient = wire_get_f64(&in);
+    g->past.pixel = wire_get_f64(&in);
+    g->past.noise = wire_get_f64(&in);
+    g->past.places = wire_get_f64(&in);
     g->spent_ms = wire_get_u64(&in);
-    return !in.bad && wire_left(&in) == 0 && sound && isfinite(g->error) &&
-           isfinite(g->mean);
+    return !in.bad && wire_left(&in) == 0 && is_sound(&g->past) &&
+           isfinite(g->error) && isfinite(g->mean);
 }
 
 /* Repeat the kept decision at the end of a stage of n passes.  1: done; 0: no

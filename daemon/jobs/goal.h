@@ -7,6 +7,8 @@
 #ifndef DAEMON_GOAL_H
 #define DAEMON_GOAL_H
 
+#include "refine/refine.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -20,8 +22,6 @@ enum goal_state {
                    * take, ran out */
 };
 
-#define GOAL_PAST 4
-
 /* Zeros in a job without a goal. */
 struct job_goal {
     enum goal_state state;
@@ -29,9 +29,7 @@ struct job_goal {
     uint32_t base;      /* number of the present stage's first pass */
     uint8_t rungs[2];   /* the present options as struct rad_refine_rungs: whole
                          * rungs, and quarters of one in the upper two bits */
-    uint8_t past_rungs[2];  /* what is known by the stages before, as struct */
-    double past[GOAL_PAST]; /* rad_refine_known, in its order; zeros where there
-                             * is none */
+    struct rad_refine_known past; /* by the stages before */
     const char *options; /* the present options as text, in job.mem; NULL: the
                           * options of the specification */
     double error;        /* relative error as it was estimated at the end of the

@@ -254,8 +254,12 @@ TEST(a_later_life_takes_up_what_the_clock_chose)
     ck_assert_uint_eq(job->goal.number, 1);
     ck_assert(job->goal.by_clock);
     ck_assert_mem_eq(job->goal.rungs, goal.rungs, 2);
-    ck_assert_mem_eq(job->goal.past, goal.past, sizeof goal.past);
-    ck_assert_double_gt(goal.past[GOAL_PAST - 1], 0);
+    ck_assert_mem_eq(&job->goal.past.rungs, &goal.past.rungs, 2);
+    ck_assert(job->goal.past.ambient == goal.past.ambient);
+    ck_assert(job->goal.past.pixel == goal.past.pixel);
+    ck_assert(job->goal.past.noise == goal.past.noise);
+    ck_assert(job->goal.past.places == goal.past.places);
+    ck_assert_double_gt(goal.past.places, 0);
     ck_assert_str_eq(job->goal.options, goal.options);
     tile_rays = 0;
     tile_cpu_s = 0;
