@@ -223,13 +223,37 @@ TEST(what_passes_took_before_a_restart_counts)
     tile_cpu_s = 0;
 }
 
-/* Rungs that the clock chose are quarters, and they are kept. */
+/* Let a later life take up the job, whose first stage has these bytes as its
+ * decision; returns how many of the passes it takes over. */
+static uint32_t
+take_up(struct job *job, const uint8_t bytes[STAGES_BYTES])
+{
+    struct saved_pass pass[PASSES + 1] = { 0 };
+    struct kept_passes were = job->kept;
+    uint32_t n;
+
+    pass[PASSES].len = STAGES_BYTES;
+    pass[PASSES].bytes = memcpy(malloc(STAGES_BYTES), bytes, STAGES_BYTES);
+    job->goal = (struct job_goal){ 0 };
+    job->kept = (struct kept_passes){ .pass = pass, .n = PASSES + 1 };
+    ck_assert_int_eq(stages_take_up(f.c, job, NULL), 0);
+    n = job->kept.n;
+    job->kept = were;
+    return n;
+}
+
+/* Rungs that the clock chose are quarters, and they are kept.  A decision that
+ * another version of the program wrote, or that is spoilt, is made again. */
 TEST(a_later_life_takes_up_what_the_clock_chose)
 {
-    enum { KEPT = PASSES + 1 };
-    uint8_t bytes[STAGES_BYTES];
-    struct saved_pass pass[KEPT] = { 0 };
-    struct kept_passes were;
+    static const struct {
+        int at, n, to;
+    } spoil[] = {
+        { 0, 1, 5 },                    /* a former layout */
+        { STAGES_BYTES - 16, 8, 0xff }, /* no number of places */
+        { STAGES_BYTES - 40, 1, 0xbf }, /* a negative square */
+    };
+    uint8_t bytes[STAGES_BYTES], spoilt[STAGES_BYTES];
     struct job_goal goal;
     struct job *job;
 
@@ -244,13 +268,7 @@ TEST(a_later_life_takes_up_what_the_clock_chose)
     ck_assert(goal.state == GOAL_AHEAD && goal.number == 1 && goal.by_clock);
     ck_assert_uint_ne((goal.rungs[0] | goal.rungs[1]) >> 6, 0);
     stages_pack(f.c, job, bytes);
-    pass[PASSES].len = sizeof bytes;
-    job->goal = (struct job_goal){ 0 };
-    were = job->kept;
-    job->kept = (struct kept_passes){ .pass = pass, .n = KEPT };
-    pass[PASSES].bytes = memcpy(malloc(sizeof bytes), bytes, sizeof bytes);
-    ck_assert_int_eq(stages_take_up(f.c, job, NULL), 0);
-    job->kept = were;
+    ck_assert_uint_eq(take_up(job, bytes), PASSES + 1);
     ck_assert_uint_eq(job->goal.number, 1);
     ck_assert(job->goal.by_clock);
     ck_assert_mem_eq(job->goal.rungs, goal.rungs, 2);
@@ -261,6 +279,14 @@ TEST(a_later_life_takes_up_what_the_clock_chose)
     ck_assert(job->goal.past.places == goal.past.places);
     ck_assert_double_gt(goal.past.places, 0);
     ck_assert_str_eq(job->goal.options, goal.options);
+    for (int i = 0; i < N_ELEM(spoil); i++) {
+        memcpy(spoilt, bytes, sizeof spoilt);
+        memset(spoilt + spoil[i].at, spoil[i].to, spoil[i].n);
+        ck_assert_uint_eq(take_up(job, spoilt), PASSES);
+        ck_assert(job->goal.state == GOAL_AHEAD && job->goal.unread);
+        ck_assert_uint_eq(job->goal.number, 0);
+        ck_assert(job->goal.past.places == 0 && !job->goal.by_clock);
+    }
     tile_rays = 0;
     tile_cpu_s = 0;
 }
