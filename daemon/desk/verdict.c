@@ -41,7 +41,7 @@ verdict_job(struct coord *c, struct job *job, enum job_state state, int status,
 {
     if (job_over(job))
         return;
-    job->state = state;
+    life_step(job, state);
     job->status = status;
     job->end_ms = c->now_ms;
     job->over_ms = desk_date_ms(c);

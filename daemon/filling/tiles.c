@@ -269,10 +269,7 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     t->out_ms = c->now_ms;
     part->ntiles[pass % MSG_OPEN_PASSES]++;
     holding_fill(part->worker, job);
-    if (job->first_ms == 0)
-        job->first_ms = c->now_ms;
-    if (job->state == JOB_WAITING)
-        job->state = JOB_RUNNING;
+    life_begin(job, c->now_ms);
     m.tile =
         (struct msg_tile){ job->id, s->base + pass, (uint32_t)(t - k->tile),
                            colours_wanted(job, &s->plan[pass]) };

@@ -335,7 +335,7 @@ coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
         job->kept_bytes = bytes;
         job->cache.bytes = cache_bytes;
         if (c->env.keeps && job->place < PLACE_KEPT)
-            job_step(job, PLACE_KEPT);
+            life_move(job, PLACE_KEPT);
     }
     c->keep_due = true;
 }
@@ -421,7 +421,7 @@ coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     if (!job || job_over(job))
         return;
     if (job->place != PLACE_NO_ROOM)
-        job_step(job, PLACE_NO_ROOM);
+        life_move(job, PLACE_NO_ROOM);
     rad_text_print(job->text, sizeof job->text, "no room on the disk: %s",
                    text);
     wire_clean(job->text);

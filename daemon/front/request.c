@@ -73,7 +73,7 @@ on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (!job)
         return;
     log_job(c, conn, "paused", job);
-    job->state = JOB_PAUSED;
+    life_pause(job);
     joblife_keep_state(c, job);
     reply_settled(c, conn, m->request);
 }
@@ -86,8 +86,7 @@ on_resume(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (!job)
         return;
     log_job(c, conn, "resumed", job);
-    if (job->state == JOB_PAUSED)
-        job->state = job->first_ms ? JOB_RUNNING : JOB_WAITING;
+    life_resume(job);
     joblife_keep_state(c, job);
     reply_settled(c, conn, m->request);
 }

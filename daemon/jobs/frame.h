@@ -35,7 +35,7 @@ struct job_frame {
     bool untold;     /* line_s lacks the time of an attempt that was lost */
 };
 
-/* Which state may follow which; see the head of frame.c. */
+/* Which state may follow which, as drawn above. */
 extern const struct steps frame_steps;
 /* Change the frame's state; the step must be in frame_steps. */
 void frame_step(struct job_frame *f, enum frame_state to);

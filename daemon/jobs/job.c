@@ -1,31 +1,4 @@
-/* job.c - see job.h
- *
- * A job, for its users (enum job_state):
- *
- *                .-resume, once a tile or unit was out--.
- *                v                                      |
- *   WAITING --> RUNNING ------------pause----------> PAUSED
- *      ^ |  a unit, a tile or an                       ^ |
- *      | |  estimate goes out                          | |
- *      | '------------------pause----------------------' |
- *      '------------resume, before that------------------'
- *
- *   any of these --a verdict (verdict.h), which is final-->
- *      DONE (all pictures are written), FAILED, CANCELLED
- *
- * How far the store is with it (enum job_place):
- *
- *     ARRIVING --all files are here--> OPENING --no room--> NO_ROOM
- *      |    |                           |   |                |   |
- *      |    |                           |   '---> OPEN <-----'   |
- *      |    '-- restart, goes on -------|-----------^ |          |
- *      |                                |             |          |
- *      |                                '---> KEPT <--+----------'
- *      |                                        |   over, and the store has its
- *      '-- restart, was over ----> FILED <------'   statistics
- *
- * A job that ends before all its files are here stays ARRIVING: the store does
- * not know it. */
+/* job.c - see job.h */
 #include "config.h"
 
 #include "jobs/job.h"
@@ -236,7 +209,7 @@ drop_costs(struct job *job)
 void
 job_lighten(struct job *job)
 {
-    job_step(job, PLACE_FILED);
+    life_move(job, PLACE_FILED);
     free_work(job);
     for (uint32_t i = 0; i < job->spec.nframes; i++) {
         job->frames[i].line_s = NULL;
@@ -260,27 +233,6 @@ job_over(const struct job *job)
     return job->state >= JOB_DONE;
 }
 
-const struct steps job_places = {
-    JOB_PLACES,
-    {
-        [PLACE_ARRIVING] = { "arriving", STEP(PLACE_OPENING) |
-                                             STEP(PLACE_OPEN) |
-                                             STEP(PLACE_FILED) },
-        [PLACE_OPENING] = { "opening", STEP(PLACE_NO_ROOM) | STEP(PLACE_OPEN) |
-                                           STEP(PLACE_KEPT) },
-        [PLACE_NO_ROOM] = { "no-room", STEP(PLACE_OPEN) | STEP(PLACE_KEPT) },
-        [PLACE_OPEN] = { "open", STEP(PLACE_KEPT) },
-        [PLACE_KEPT] = { "kept", STEP(PLACE_FILED) },
-        [PLACE_FILED] = { "filed", 0 },
-    },
-};
-
-void
-job_step(struct job *job, enum job_place to)
-{
-    job->place = (enum job_place)steps_take(&job_places, job->place, to);
-}
-
 bool
 job_held(const struct job *job)
 {
@@ -290,10 +242,7 @@ job_held(const struct job *job)
 const char *
 job_state_name(enum job_state state)
 {
-    static const char *const name[] = { "waiting", "running", "paused",
-                                        "done",    "failed",  "cancelled" };
-
-    return name[state];
+    return life_states.state[state].name;
 }
 
 const char *

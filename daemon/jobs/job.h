@@ -10,6 +10,7 @@
 #include "jobs/frame.h"
 #include "jobs/goal.h"
 #include "jobs/kept.h"
+#include "jobs/life.h"
 #include "jobs/part.h"
 #include "jobs/progress.h"
 #include "jobs/unit.h"
@@ -20,30 +21,7 @@ struct coord_owner;
 struct passes;
 struct links;
 struct stats_text;
-struct steps;
 struct survey;
-
-/* Numbers as in msg_progress; drawn at the head of job.c. */
-enum job_state {
-    JOB_WAITING, /* its files are not all here, or no work went out yet */
-    JOB_RUNNING,
-    JOB_PAUSED,
-    JOB_DONE,
-    JOB_FAILED,
-    JOB_CANCELLED
-};
-
-/* How far the store is with a job; drawn at the head of job.c. */
-enum job_place {
-    PLACE_ARRIVING, /* some of its files are yet to come */
-    PLACE_OPENING,  /* the store was asked to make room for the job's rows */
-    PLACE_NO_ROOM,  /* the disk has no such room yet: job.text says why */
-    PLACE_OPEN,     /* files, and room for rows, are on the disk */
-    PLACE_KEPT,     /* the job is over, and the store has its statistics */
-    PLACE_FILED     /* only the job's end is in memory (job_lighten()); the
-                     * store has the rest */
-};
-#define JOB_PLACES 6
 
 /* A unit fails its job when it brought down children of two workers, or, of a
  * single worker, this many. */
@@ -76,9 +54,9 @@ struct job {
     uint64_t sequence; /* order of submission */
     uint8_t rank;      /* enum order_rank (desk/order.h) */
     struct job *chain; /* next in its chain of coord.by_job */
-    enum job_state state;
+    enum job_state state; /* changed by life.c alone */
     bool ending;          /* the verdict is yet to be carried out (verdict.h) */
-    enum job_place place; /* changed by job_step() alone */
+    enum job_place place; /* changed by life_move() alone */
     bool full;            /* the disk is full, so the job is held */
     bool watched;         /* a preview was asked for */
     uint32_t lives;       /* lives of the coordinator that the job outlived */
@@ -172,10 +150,6 @@ void job_lighten(struct job *job);
 
 /* Is the job done, failed or cancelled? */
 bool job_over(const struct job *job);
-/* Which place may follow which; see the head of job.c. */
-extern const struct steps job_places;
-/* Change the job's place; the step must be in job_places. */
-void job_step(struct job *job, enum job_place to);
 
 /* Does the job get no units because the disk is full? */
 bool job_held(const struct job *job);

@@ -10,6 +10,8 @@ libdaemon_a_SOURCES += \
 	daemon/jobs/job.h \
 	daemon/jobs/kept.c \
 	daemon/jobs/kept.h \
+	daemon/jobs/life.c \
+	daemon/jobs/life.h \
 	daemon/jobs/part.c \
 	daemon/jobs/part.h \
 	daemon/jobs/progress.c \

@@ -131,7 +131,7 @@ joblife_try_open(struct coord *c, struct job *job)
         return;
     if (!known_name(&job->payer->files, f))
         c->actions.failed = true;
-    job_step(job, PLACE_OPENING);
+    life_move(job, PLACE_OPENING);
     c->stirred = true;
     a = actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
     if (a)
@@ -257,7 +257,7 @@ joblife_opened(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
     if (!job)
         return;
     waited = job->place == PLACE_NO_ROOM;
-    job_step(job, PLACE_OPEN);
+    life_move(job, PLACE_OPEN);
     job->open_ms = c->now_ms;
     passes_ask(c, job);
     if (waited)

@@ -242,9 +242,10 @@ take_up(const struct recovery *r)
     if (job->kept.n > 0 && !job->first_ms)
         passes_restore(job);
     filled_restore(job);
-    job->state = r->s->state == JOB_PAUSED ? JOB_PAUSED
-                 : job->first_ms           ? JOB_RUNNING
-                                           : JOB_WAITING;
+    if (r->s->state == JOB_PAUSED)
+        life_pause(job);
+    else if (job->first_ms)
+        life_set_running(job);
     actions_log(&r->c->actions, ACT_INFO,
                 "job goes on job=%s owner=%s units=%u pixels=%llu of=%llu",
                 job->hex, job->owner, job->units_done,
@@ -267,8 +268,8 @@ take_filed(const struct recovery *r)
     const struct saved_job *s = r->s;
     struct job *job = r->job;
 
-    job_step(job, PLACE_FILED);
-    job->state = (enum job_state)s->state;
+    life_move(job, PLACE_FILED);
+    life_step(job, (enum job_state)s->state);
     job->status = s->status;
     snprintf(job->text, sizeof job->text, "%s", s->text);
     job->last = s->last;
@@ -324,7 +325,7 @@ recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
         take_filed(&r);
         return 0;
     }
-    job_step(r.job, PLACE_OPEN);
+    life_move(r.job, PLACE_OPEN);
     return take_up(&r);
 }
 

@@ -62,9 +62,6 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     }
     if (u->nattempts == 1)
         desk_keep_unit(c, job, unit);
-    if (job->first_ms == 0)
-        job->first_ms = c->now_ms;
-    if (job->state == JOB_WAITING)
-        job->state = JOB_RUNNING;
+    life_begin(job, c->now_ms);
     send_unit(c, job, attempt);
 }

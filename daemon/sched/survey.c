@@ -183,8 +183,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
     holding_survey(job, index, (uint32_t)(k - s->chunk) + 1);
     if (s->begin_ms == 0)
         s->begin_ms = c->now_ms;
-    if (job->state == JOB_WAITING)
-        job->state = JOB_RUNNING;
+    life_set_running(job);
     send_chunk(c, job, part, k);
     return true;
 }

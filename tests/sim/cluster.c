@@ -696,7 +696,7 @@ describe(const struct net *net)
         fprintf(stderr,
                 "job %s %s %s partition %d flags %x waiting %u done %u\n",
                 job->hex, job_state_name(job->state),
-                job_places.state[job->place].name, job->spec.partition,
+                life_places.state[job->place].name, job->spec.partition,
                 job->spec.flags, job->partition ? job_waiting(job) : 0,
                 job->units_done);
         for (uint32_t k = 0; k < job->nparts; k++)

@@ -62,11 +62,20 @@ take_frame(int from, int to)
 }
 
 static int
+take_state(int from, int to)
+{
+    struct job job = { .state = (enum job_state)from };
+
+    life_step(&job, (enum job_state)to);
+    return (int)job.state;
+}
+
+static int
 take_place(int from, int to)
 {
     struct job job = { .place = (enum job_place)from };
 
-    job_step(&job, (enum job_place)to);
+    life_move(&job, (enum job_place)to);
     return (int)job.place;
 }
 
@@ -89,7 +98,13 @@ static const struct machine machines[] = {
       take_frame,
       { "open: writing written fetched", "writing: written", "written: fetched",
         "fetched:" } },
-    { &job_places,
+    { &life_states,
+      take_state,
+      { "waiting: running paused done failed cancelled",
+        "running: paused done failed cancelled",
+        "paused: waiting running done failed cancelled",
+        "done:", "failed:", "cancelled:" } },
+    { &life_places,
       take_place,
       { "arriving: opening open filed", "opening: no-room open kept",
         "no-room: open kept", "open: kept", "kept: filed", "filed:" } },
