@@ -3,6 +3,8 @@
 
 #include "common/words.h"
 
+#include "base/text.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <stdbool.h>
@@ -122,7 +124,7 @@ static int
 read_text(struct words *w, const char *path, char **text, struct rad_error *err)
 {
     FILE *f = fopen(path, "r");
-    size_t n;
+    size_t n, mark;
     char *buf;
     int rc = 0;
 
@@ -135,12 +137,13 @@ read_text(struct words *w, const char *path, char **text, struct rad_error *err)
         return rad_fail_memory(err);
     }
     n = fread(buf, 1, LONGEST_FILE + 1, f);
+    mark = rad_text_mark(buf, n);
     if (ferror(f))
         rc = rad_fail(err, RAD_ENOINPUT, "cannot read options file '%s': %s",
                       path, strerror(errno));
     else if (n > LONGEST_FILE || memchr(buf, '\0', n))
         rc = rad_fail(err, RAD_EUSAGE, "'%s' is not an options file", path);
-    else if (!(*text = rad_arena_strndup(&w->arena, buf, n)))
+    else if (!(*text = rad_arena_strndup(&w->arena, buf + mark, n - mark)))
         rc = rad_fail_memory(err);
     else
         rc = inputs_add_fd(&w->inputs, "a file of options", fileno(f), err);

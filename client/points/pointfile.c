@@ -6,6 +6,7 @@
 #include "base/files.h"
 #include "base/list.h"
 #include "base/number.h"
+#include "base/text.h"
 #include "points/points.h"
 
 #include <inttypes.h>
@@ -79,6 +80,8 @@ parse_text(struct pointfile *f, const char *s, size_t n, bool last,
     const char *begin = s, *end = s + n;
     int rc = 0;
 
+    if (f->line == 0)
+        s += rad_text_mark(s, n);
     while (rc == 0 && s < end && wanted(f)) {
         const char *stop = line_end(s, end);
         double v[6];

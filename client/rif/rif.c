@@ -4,6 +4,7 @@
 #include "rif/rif.h"
 
 #include "base/number.h"
+#include "base/text.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -157,6 +158,7 @@ rif_parse(struct rif *r, const char *name, const char *text, size_t len,
         rc = rad_fail(err, RAD_EDATA, "no text, or more than %d bytes",
                       RIF_MAX_BYTES);
     }
+    text += rad_text_mark(text, len);
     while (rc == 0 && text < end) {
         int begun = line;
         size_t n;

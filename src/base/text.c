@@ -88,6 +88,12 @@ rad_text_char(const char *text, size_t n, uint32_t *code)
     return len;
 }
 
+size_t
+rad_text_mark(const void *text, size_t n)
+{
+    return n >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+}
+
 void
 rad_text_clean(char *s)
 {

@@ -22,6 +22,10 @@
  * (may be NULL) is its code point.  0: it is not UTF-8, or NUL. */
 size_t rad_text_char(const char *s, size_t n, uint32_t *code);
 
+/* The length of the byte-order mark that n bytes of text begin with, 3 or 0.
+ * Windows' editors put one at the beginning of a file; it means nothing. */
+size_t rad_text_mark(const void *text, size_t n);
+
 /* Replace each unsafe character, and each byte that is not UTF-8, by '?'. */
 void rad_text_clean(char *s);
 

@@ -14,6 +14,7 @@
 #include "picture/view.h"
 #include "arith/elementary.h"
 #include "base/list.h"
+#include "base/text.h"
 #include "base/vec.h"
 #include "base/number.h"
 
@@ -175,14 +176,12 @@ int
 rad_view_line(struct rad_view *v, const char *line, size_t len,
               struct rad_error *err)
 {
-    static const char mark[] = "\xef\xbb\xbf"; /* some editors put it first */
     const char *end = line + len, *at;
     char word[4][LONGEST_WORD + 1];
     char *argv[4] = { word[0], word[1], word[2], word[3] };
     int found = 0;
 
-    if (len >= 3 && memcmp(line, mark, 3) == 0)
-        line += 3;
+    line += rad_text_mark(line, len);
     if (!is_view_line(line, end))
         return 0;
     at = end - line >= 5 && memcmp(line, "VIEW=", 5) == 0 ? line + 5 : line;

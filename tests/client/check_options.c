@@ -503,7 +503,7 @@ TEST(files_and_variables_open_up_in_place)
     char line[600], inner[200];
 
     snprintf(inner, sizeof inner, "%s",
-             scratch_file("inner", "-ab\n 3\t-aa .1"));
+             scratch_file("inner", "\xef\xbb\xbf-ab\n 3\t-aa .1"));
     snprintf(line, sizeof line, "-x 11 @%s\n-y 12", inner);
     setenv("CHECK_OPTIONS", "-ps 2 --workers=5", 1);
     snprintf(line, sizeof line, "@%s $CHECK_OPTIONS -o @a a.rad @b",

@@ -10,6 +10,7 @@
 
 #define A "1 0 0 0 0 1"
 #define B "2 0 0 0 0 1"
+#define MARK "\xef\xbb\xbf" /* byte-order mark */
 
 static const struct {
     const char *text;
@@ -21,6 +22,7 @@ static const struct {
     { A "\n\n\r\r" B, 2, 0 },     { A "\r\n\r\n" B "\r\nx", 2, 4 },
     { A "\r\r" B "\rx", 2, 4 },   { A "\n\n" B "\nx", 2, 4 },
     { A "\n\r" B "\n\rx", 2, 5 }, { A " " B "\r", 0, 1 },
+    { MARK A "\n" B, 2, 0 },      { A "\n" MARK B, 1, 2 },
 };
 
 /* However it is cut in two. */

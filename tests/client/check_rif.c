@@ -39,6 +39,7 @@ static const struct {
 } reads[] = {
     { "QUALITY= High\n", RIF_QUALITY, "High" },
     { "QUA=m", RIF_QUALITY, "m" },
+    { "\xef\xbb\xbfQUA=m", RIF_QUALITY, "m" },
     { "  EXP =   +2.5   # bright\n", RIF_EXPOSURE, "+2.5" },
     { "EXPOSURE 3\r\n", RIF_EXPOSURE, "3" },
     { "PICTURE= a\\#b\n", RIF_PICTURE, "a#b" },

@@ -8,6 +8,7 @@
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
+#include "base/text.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -521,7 +522,7 @@ rad_calc_read(struct rad_calc *c, int context, const char *name,
     struct rad_error why = { 0 };
     struct parser ps = { .c = c,
                          .context = c->context[context].name,
-                         .p = text,
+                         .p = text + rad_text_mark(text, len),
                          .end = text + len,
                          .line = 1,
                          .err = &why };

@@ -7,6 +7,7 @@
 #include "scene/file/data.h"
 #include "base/color.h"
 #include "base/number.h"
+#include "base/text.h"
 #include "image/hdr.h"
 
 #include <ctype.h>
@@ -206,7 +207,8 @@ struct rad_data *
 rad_data_parse(struct rad_arena *arena, const char *text, size_t len,
                struct rad_error *err)
 {
-    struct reader in = { text, text + len, behind_blanks(text, len), 1, err };
+    struct reader in = { text + rad_text_mark(text, len), text + len,
+                         behind_blanks(text, len), 1, err };
     struct rad_data *d = rad_arena_calloc(arena, 1, sizeof *d);
     int32_t dims;
     int rc;

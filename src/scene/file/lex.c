@@ -8,6 +8,7 @@
 
 #include "scene/file/lex.h"
 #include "base/number.h"
+#include "base/text.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -28,17 +29,19 @@ rad_lex_init(struct rad_lex *lex, const struct rad_stream *in)
     lex->word[0] = '\0';
 }
 
-/* Read the next buffer.  A file with a NUL is no text, and is refused. */
+/* Read the next buffer; the first without a byte-order mark.  A file with a NUL
+ * is no text, and is refused. */
 static bool
 refill(struct rad_lex *lex, struct rad_error *err)
 {
+    bool first = lex->len == 0;
     long n;
 
     if (lex->eof || lex->rc)
         return false;
     n = lex->in.read(lex->in.arg, lex->buf, sizeof lex->buf - 1, err);
-    lex->pos = 0;
     lex->len = n > 0 ? (size_t)n : 0;
+    lex->pos = first ? rad_text_mark(lex->buf, lex->len) : 0;
     lex->eof = n == 0;
     if (n < 0)
         lex->rc = (int)n;
@@ -46,7 +49,7 @@ refill(struct rad_lex *lex, struct rad_error *err)
         lex->rc = rad_fail(err, RAD_EDATA,
                            "not a scene description: it has binary data");
     if (lex->rc)
-        lex->len = 0;
+        lex->pos = lex->len = 0;
     lex->buf[lex->len] = '\0';
     return lex->len > 0;
 }

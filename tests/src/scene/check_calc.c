@@ -352,6 +352,7 @@ static const struct {
     { "a.b_c1 = 3;", "a.b_c1", 3 },
     { ";;a = 1;;", "a", 1 },
     { "a = 1", "a", 1 }, /* the last ; may lack */
+    { "\xef\xbb\xbf{ b } a = 1;", "a", 1 },
     { "n=select(3,1,2,f(2)); f(x)=x+1;", "n", 3 },
     { "c = $2; f(x) = x-c; g(y) = f(y);", "g($1)", -1 },
     { "f(x) = x+x*x; g(y) = f(y);", "g(sq(3))", 90 },

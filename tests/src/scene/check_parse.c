@@ -238,6 +238,8 @@ static const struct {
       "their number says?" },
     { MAT "\n m spheer s 0 0 4 0 0 0 1", "a.rad:3: unknown type 'spheer'" },
     { MAT "m", "a.rad:2: text ends where a type is expected" },
+    { MAT "\xef\xbb\xbf m sphere s 0 0 4 0 0 0 1",
+      "a.rad:2: undefined modifier '?'" }, /* not at the beginning */
     { MAT "m sphere", "a.rad:2: text ends where a name is expected" },
     { MAT "m sphere s 0 0",
       "a.rad:2: sphere 's': text ends where the number of real arguments is "
@@ -445,6 +447,8 @@ static const char *const good[] = {
         "t alias a m\na sphere s 0 0 4 0 0 0 1",
     "void sphere s 0 0 4 0 0 0 -1",
     "void polygon p 0 0 9 0 0 0 0 0 0 0 0 0",
+    "\xef\xbb\xbf" MAT TRI,
+    "\xef\xbb\xbf",
 };
 
 LOOP_TEST(good_scene_is_accepted, N_ELEM(good))
