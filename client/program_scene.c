@@ -160,6 +160,20 @@ compile_done(uv_work_t *w, int status)
     ((struct compiling *)w->data)->done = true;
 }
 
+/* Say that the trial may take long: only with hemispheres of so many rays does
+ * it take more than a few seconds. */
+static void
+say_of_trial(struct program *p)
+{
+    enum { MANY_RAYS = 2048 };
+    const struct rad_params *q = &p->o.params;
+
+    if (p->o.dry_run && p->frames.n > 0 && q->ambounce > 0 &&
+        q->ambdiv >= MANY_RAYS)
+        program_news(p, "tracing some of the pixels, which may take minutes "
+                        "with these options");
+}
+
 /* The thread cannot be stopped.  It may be writing files, so our folder is left
  * to its keeper (local.c). */
 int
@@ -169,6 +183,7 @@ program_compile(struct program *p)
     uv_work_t work = { .data = &c };
     int rc;
 
+    say_of_trial(p);
     if (uv_queue_work(&p->loop.uv, &work, compile_work, compile_done) != 0)
         return rad_fail_memory(p->err);
     while (!c.done) {

@@ -107,8 +107,15 @@ tiny="-vf $scenes/room.vf -x 16 -y 12"
         fail "no promise: $(cat said)"
     "$radsubmit" --dry-run --quality=low -aa .1 $tiny "$room" >said
     grep -q '^quality' said && fail "a promise of another set"
-    "$radsubmit" --dry-run --quality=reference -ab 1 -ad 16 $tiny "$room" >said
+    "$radsubmit" --dry-run --quality=reference -ab 1 -ad 16 $tiny "$room" \
+        >said 2>err
     grep -q '^quality' said && fail "a promise of what was not measured"
+    [ ! -s err ] || fail "a short trial is called long: $(cat err)"
+
+    # one that takes long says so before it begins
+    "$radsubmit" --dry-run --quality=reference -ab 1 -x 4 -y 3 "$room" \
+        >/dev/null 2>err
+    grep -q 'may take minutes' err || fail "a long trial is silent: $(cat err)"
 }
 
 # an animation costs what its frames do
