@@ -19,6 +19,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define MODIFIER_INHERIT (-2) /* of an alias: the old name's modifier */
 
@@ -202,12 +203,36 @@ read_reals(struct rad_lex *lex, struct arguments *a, struct rad_error *err)
 
 /* --- objects ------------------------------------------------------------ */
 
+/* Files that are no scenes, by how their names end. */
+static const struct {
+    const char *end, *advice;
+} other_files[] = {
+    { ".obj", ": no scene; obj2rad makes one of it" },
+    { ".ies", ": no scene; ies2rad makes one of it" },
+    { ".hdr", ": a picture is no scene" },
+    { ".pic", ": a picture is no scene" },
+};
+
+/* What to add to the error of a modifier that is not defined. */
+static const char *
+advise(const struct reader *r, const char *word)
+{
+    const char *end = strrchr(r->parser->scene->files[r->file], '.');
+    double number;
+
+    for (size_t i = 0; end && i < sizeof other_files / sizeof *other_files; i++)
+        if (strcasecmp(end, other_files[i].end) == 0)
+            return other_files[i].advice;
+    return rad_parse_real(word, &number)
+               ? ": are there more arguments before it than their number says?"
+               : "";
+}
+
 static int
 read_modifier(struct reader *r, struct rad_object *o, struct rad_error *err)
 {
     struct rad_error now = { 0 };
     const char *word = r->lex.word;
-    double number;
     int rc = rad_lex_word(&r->lex, "a modifier", err);
 
     if (rc)
@@ -223,10 +248,7 @@ read_modifier(struct reader *r, struct rad_object *o, struct rad_error *err)
     if (o->modifier != RAD_VOID)
         return 0;
     rad_fail(&now, RAD_EDATA, "undefined modifier '%s'%s", word,
-             rad_parse_real(word, &number)
-                 ? ": are there more arguments before "
-                   "it than their number says?"
-                 : "");
+             advise(r, word));
     return survive(r, r->lex.line, &now, err);
 }
 

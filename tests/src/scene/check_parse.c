@@ -459,6 +459,27 @@ LOOP_TEST(good_scene_is_accepted, N_ELEM(good))
     ck_assert_str_eq(message, "");
 }
 
+static const struct {
+    const char *file, *text, *message;
+} foreign[] = {
+    { "a.OBJ", "# Blender\nmtllib a.mtl\nv 1 2 3\n", "obj2rad" },
+    { "a.ies", "IESNA:LM-63-1995\nTILT=NONE\n", "ies2rad" },
+    { "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n", "picture" },
+};
+
+LOOP_TEST(a_file_that_is_no_scene_is_told_apart, N_ELEM(foreign))
+{
+    struct rad_scene *s = rad_scene_new();
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(rad_parse_text(s, foreign[_i].text,
+                                    strlen(foreign[_i].text), foreign[_i].file,
+                                    NULL, &err),
+                     RAD_EDATA);
+    ck_assert_ptr_nonnull(strstr(err.what, foreign[_i].message));
+    rad_scene_free(s);
+}
+
 TEST(words_have_a_limit)
 {
     char text[2000], message[512];
