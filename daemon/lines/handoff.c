@@ -451,12 +451,22 @@ handoff_base_line(struct coord *c, struct coord_worker *w,
 
 /* Is the top of the unit here, or does it need none? */
 static bool
-has_work_to_come(const struct job *job, uint32_t unit)
+has_top(const struct job *job, uint32_t unit)
 {
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
 
     return first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0;
+}
+
+/* Does PARKED tell something new of the attempt?  It waits for its top once;
+ * later only for columns that it lent. */
+static bool
+may_park(const struct job_attempt *attempt)
+{
+    return attempt->origin != ATTEMPT_LOAN &&
+           attempt->state == ATTEMPT_WORKING &&
+           (attempt->parked_ms == 0 || attempt->lending.line_ms != 0);
 }
 
 void
@@ -470,20 +480,17 @@ handoff_parked(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (!job || m->unit >= job->nunits)
         return;
     attempt = attempt_find(job, m->unit, index, m->attempt);
-    if (!attempt || attempt->origin == ATTEMPT_LOAN ||
-        attempt->state != ATTEMPT_WORKING ||
-        (attempt->parked_ms != 0 && attempt->lending.line_ms == 0))
+    if (!attempt || !may_park(attempt))
         return;
     desk_log_unit(c, job, attempt, "unit parked");
     holding_top_made(c, job, attempt);
     speed_finished(job, attempt);
     if (lending_parked(c, attempt))
         holding_step(c, job, attempt, ATTEMPT_BLOCKED);
-    else if (!has_work_to_come(job, m->unit))
+    else if (!has_top(job, m->unit))
         holding_step(c, job, attempt, ATTEMPT_PARKED);
     else
-        attempt->parked_ms =
-            c->now_ms; /* the top is on its way to the attempt */
+        attempt->parked_ms = c->now_ms; /* its top is on the way to it */
     offer_top(c, job, m->unit);
 }
 

@@ -1,4 +1,5 @@
 /* strict_pass.c - the passes of strict units: how they begin and end
+ *
  * A pass begins with the colours and densities that are known of its unit's
  * top, and ends with a bottom that is a guess or true.  A pass on a guess is
  * told to stop when the true top comes.  strict_rank.c decides which unit gets
