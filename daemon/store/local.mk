@@ -8,6 +8,7 @@ libdaemon_a_SOURCES += \
 	daemon/store/store_files.c \
 	daemon/store/store_impl.h \
 	daemon/store/store_jobs.c \
+	daemon/store/store_passes.c \
 	daemon/store/store_read.c \
 	daemon/store/store_read.h \
 	daemon/store/store_recover.c \

@@ -8,6 +8,7 @@
  *   store_jobs.c     jobs: kept, over, forgotten
  *   store_submit.c   frames of jobs that are submitted
  *   store_rows.c     units, rows and pictures
+ *   store_passes.c   what a job's passes leave and begin with
  *   store_read.c     reading files and pictures
  *   store_recover.c  jobs of earlier lives
  * Thread: the loop's, but for what tasks run (task.h). */
