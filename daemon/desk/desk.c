@@ -254,6 +254,14 @@ desk_others_may(const struct coord *c, const struct job *job,
 }
 
 bool
+desk_may_try(const struct coord *c, const struct job *job,
+             const struct unit_crashes *crashes, uint32_t index)
+{
+    return crashes->n == 0 || crashes->worker != index ||
+           !desk_others_may(c, job, job->parts[index].worker, false);
+}
+
+bool
 desk_idle_job(const struct job *job)
 {
     return job_over(job) || job->place == PLACE_ARRIVING ||

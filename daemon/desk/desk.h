@@ -133,6 +133,10 @@ bool desk_gives_way(const struct job *job, uint32_t index);
  * are late in the job, or have no room for it yet, count only if `ever`. */
 bool desk_others_may(const struct coord *c, const struct job *job,
                      const struct coord_worker *w, bool ever);
+/* May the worker try work that brought children down?  If its own was the first
+ * another worker gets the work, if any other may do the job. */
+bool desk_may_try(const struct coord *c, const struct job *job,
+                  const struct unit_crashes *crashes, uint32_t index);
 /* The date: the time by a clock that runs on while the machine sleeps.  By it
  * jobs that are over age; for workers no time passes during a sleep. */
 uint64_t desk_date_ms(const struct coord *c);

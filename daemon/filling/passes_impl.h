@@ -17,8 +17,7 @@ struct tile {
     uint32_t holder[HOLDERS]; /* indices of the workers that have the tile */
     uint8_t nholders;
     bool made;
-    uint8_t crashes;       /* children that died while they had the tile */
-    uint32_t crasher;      /* index of the first such child's worker */
+    struct unit_crashes crashes;
     uint64_t out_ms;       /* when the tile last went out */
     uint32_t before, then; /* previous and next tile in the list of tiles that
                             * workers have, by when they went out */

@@ -96,15 +96,13 @@ is_late(const struct coord *c, const struct passes *s, const struct tile *t)
     return c->now_ms - t->out_ms >= (late > LATE_MS ? late : LATE_MS);
 }
 
-/* May the worker have the tile?  If the worker's child died with the tile,
- * another worker gets it, if any other may do the job. */
+/* May the worker have the tile? */
 static bool
 may_have(const struct coord *c, const struct job *job, const struct tile *t,
          uint32_t index)
 {
     return !t->made && t->nholders < HOLDERS && !has_tile(t, index) &&
-           (t->crashes == 0 || t->crasher != index ||
-            !desk_others_may(c, job, job->parts[index].worker, false));
+           desk_may_try(c, job, &t->crashes, index);
 }
 
 static bool
@@ -329,14 +327,12 @@ crashed_in(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
 
         if (t->made || !has_tile(t, index))
             continue;
-        if (t->crashes++ == 0)
-            t->crasher = index;
-        if (t->crasher == index && t->crashes < JOB_MAX_CRASHES)
+        if (unit_crashed(&t->crashes, index))
             continue;
         snprintf(text, sizeof text,
                  "tile %u of pass %u, of the ambient cache, brought the "
                  "renderer down %u times: %.200s",
-                 i, job->passes->base + pass, t->crashes, why);
+                 i, job->passes->base + pass, t->crashes.n, why);
         verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
         return false;
     }

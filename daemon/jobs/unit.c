@@ -60,7 +60,7 @@ unit_grow(struct job *job)
             return false;
         u = &job->units[job->nunits];
         memset(u, 0, sizeof *u);
-        u->part = u->crasher = JOB_NOBODY;
+        u->part = JOB_NOBODY;
         u->latest = unit_first_attempt(job);
     }
     return true;
@@ -102,12 +102,20 @@ unit_wait(struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
-    if (u->crashes > 0 && add_suspect(job, unit)) {
+    if (u->crashes.n > 0 && add_suspect(job, unit)) {
         unit_step(u, UNIT_SUSPECT);
         return;
     }
     partition_lost(job->partition, unit);
     unit_step(u, UNIT_WAITING);
+}
+
+bool
+unit_crashed(struct unit_crashes *crashes, uint32_t index)
+{
+    if (crashes->n++ == 0)
+        crashes->worker = index;
+    return crashes->worker == index && crashes->n < JOB_MAX_CRASHES;
 }
 
 void

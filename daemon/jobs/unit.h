@@ -27,6 +27,12 @@ struct unit_hashes {
     uint64_t fingerprint; /* of the worker that made the rows */
 };
 
+/* Children that a piece of work, a unit or a tile, brought down. */
+struct unit_crashes {
+    uint8_t n;
+    uint32_t worker; /* of the first of these children: index in job.parts */
+};
+
 struct job_unit {
     enum unit_state state; /* changed by unit_step() alone */
     uint32_t latest;       /* number of the latest attempt; before the first in
@@ -46,8 +52,7 @@ struct job_unit {
     struct job_attempt *attempts; /* that are not over, with room for
                                    * JOB_MAX_ATTEMPTS; NULL: there are none */
     uint8_t nattempts;
-    uint8_t crashes;   /* children that the unit brought down */
-    uint32_t crasher;  /* worker of the first of these children */
+    struct unit_crashes crashes;
     uint8_t faults;    /* attempts that came incomplete */
     uint8_t overtaken; /* how often a twin became the lead because the lead sent
                         * nothing; bounded */
@@ -80,6 +85,9 @@ bool unit_grow(struct job *job);
 void unit_take(struct job *job, uint32_t unit);
 /* Put a unit without attempts back into the queue, or among the suspects. */
 void unit_wait(struct job *job, uint32_t unit);
+/* Note that a child of the worker died of the work; false: it has brought down
+ * children of two workers, or too many of one, and so fails its job. */
+bool unit_crashed(struct unit_crashes *crashes, uint32_t index);
 /* All the unit's rows are on the disk: count it as done.  The caller calls
  * progress_see() after that. */
 void unit_done(struct job *job, uint32_t unit, uint64_t end_ms);

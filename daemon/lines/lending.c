@@ -80,7 +80,7 @@ may_lend(const struct job *job, const struct job_attempt *attempt)
     uint32_t first, last;
 
     partition_unit_lines(job->partition, attempt->unit, &first, &last);
-    return u->crashes == 0 && u->nattempts < JOB_MAX_ATTEMPTS - 1 &&
+    return u->crashes.n == 0 && u->nattempts < JOB_MAX_ATTEMPTS - 1 &&
            attempt_works(attempt) && attempt->split_ms == 0 &&
            attempt->lending.asked_ms == 0 && attempt->lending.blocked_ms == 0 &&
            (u->whole || last - first == 1 || !desk_splits(job));

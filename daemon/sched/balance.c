@@ -188,7 +188,7 @@ wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
 {
     const struct job_unit *u = &job->units[unit];
 
-    return u->nattempts < JOB_MAX_HOLDERS && u->crashes == 0 &&
+    return u->nattempts < JOB_MAX_HOLDERS && u->crashes.n == 0 &&
            is_late(c, job, unit, lease_floor_ms);
 }
 

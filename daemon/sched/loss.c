@@ -284,19 +284,17 @@ note_crash(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     struct job_unit *u = &job->units[unit];
     struct partition_area a;
     char text[MSG_MAX_TEXT + 1];
+    bool again = unit_crashed(&u->crashes, index);
 
-    u->crashes++;
-    if (u->crashes == 1)
-        u->crasher = index;
     loss_of(c, job, attempt_of_part(job, unit, index));
-    if (u->crasher == index && u->crashes < JOB_MAX_CRASHES)
+    if (again)
         return true;
     partition_area(job->partition, unit, &a);
     snprintf(text, sizeof text,
              "unit %u (frame %u, %ux%u pixels at x %u, y %u) brought the "
              "renderer down %u times: %.200s",
              unit, job->spec.frames[a.frame].number, a.width, a.height, a.x,
-             a.y, u->crashes, why);
+             a.y, u->crashes.n, why);
     verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
     return false;
 }

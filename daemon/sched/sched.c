@@ -99,13 +99,9 @@ find_suspect(const struct coord *c, const struct job *job, uint32_t index,
              uint32_t *unit)
 {
     for (uint32_t i = 0; i < job->nsuspects; i++) {
-        uint32_t crasher = job->units[job->suspects[i]].crasher;
-
-        if (crasher != index ||
-            !desk_others_may(c, job, job->parts[crasher].worker, false)) {
-            *unit = job->suspects[i];
+        *unit = job->suspects[i];
+        if (desk_may_try(c, job, &job->units[*unit].crashes, index))
             return true;
-        }
     }
     return false;
 }
