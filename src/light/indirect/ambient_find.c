@@ -226,13 +226,60 @@ is_behind_step(const struct search *s, const struct rad_ambitem *it, float z,
            (double)it->radius[0] > SMALL_ZONE * s->amb->scale.least;
 }
 
+/* Does something part the place, at (u, v) on the record's surface and `dist`
+ * radii away, from the record?  Also true if the record is tested later. */
+static inline bool
+is_parted(struct search *s, const struct rad_ambitem *it, float u, float v,
+          float dist)
+{
+    if (it->corral && it->corral >> part_of_turn(u, v) & 1) {
+        if (s->spares) {
+            put_off_test(s, it, dist);
+            return true;
+        }
+        if (is_walled_off(s->amb, s->at, it, s->asker->counts, s->asker->rays))
+            return true;
+    }
+    /* a sensor may be above, below or inside of things */
+    *s->asker->rays += s->asker->sensor;
+    return s->asker->sensor &&
+           rad_ambsmooth_parted(s->amb->job->geom, s->at->p, s->n, it->p, it->n,
+                                s->asker->counts);
+}
+
+/* Add what a record says to the sums, times `factor`.  dist [radii] and turn
+ * [rad] lie between the record and the place. */
+static inline void
+add_says(struct search *s, const struct rad_ambitem *it, const struct says *k,
+         float factor, float dist, float turn)
+{
+    double angular = (double)(1 - turn / s->max_angle);
+    double w = s->share * s->lack * angular * (double)(1 - dist / s->reach);
+
+    if (dist < s->aa)
+        s->serves += angular * (double)(1 - dist / s->aa);
+    s->weight += w;
+    if (s->doubts) {
+        double lum = (double)(factor * rad_rgb_lum(k->E));
+
+        if (s->asker->serving)
+            rad_ambserving_add(s->asker->serving, it, w * lum);
+        s->lum2 += w * lum * lum;
+        s->var += w * (double)k->var;
+        s->w2 += w * w;
+    }
+    w *= (double)factor;
+    s->E[0] += w * (double)k->E.r;
+    s->E[1] += w * (double)k->E.g;
+    s->E[2] += w * (double)k->E.b;
+}
+
 /* Add a record to the sums, if it serves at the place. */
 static inline void
 add_record(struct search *s, const struct rad_ambitem *it)
 {
     float d[3], across[3], u, v, z, x, y, h, dist2, dist, turn2, turn, factor;
     float per = 1 / it->radius[0], moved;
-    double w, angular, lum;
     struct says says;
 
     for (int k = 0; k < 3; k++)
@@ -263,37 +310,8 @@ add_record(struct search *s, const struct rad_ambitem *it)
         return;
     if (moved < says.least)
         factor += says.least - moved;
-    if (it->corral && it->corral >> part_of_turn(u, v) & 1) {
-        if (s->spares) {
-            put_off_test(s, it, dist);
-            return;
-        }
-        if (is_walled_off(s->amb, s->at, it, s->asker->counts, s->asker->rays))
-            return;
-    }
-    /* a sensor may be above, below or inside of things */
-    *s->asker->rays += s->asker->sensor;
-    if (s->asker->sensor &&
-        rad_ambsmooth_parted(s->amb->job->geom, s->at->p, s->n, it->p, it->n,
-                             s->asker->counts))
-        return;
-    angular = (double)(1 - turn / s->max_angle);
-    if (dist < s->aa)
-        s->serves += angular * (double)(1 - dist / s->aa);
-    w = s->share * s->lack * angular * (double)(1 - dist / s->reach);
-    s->weight += w;
-    if (s->doubts) {
-        lum = (double)(factor * rad_rgb_lum(says.E));
-        if (s->asker->serving)
-            rad_ambserving_add(s->asker->serving, it, w * lum);
-        s->lum2 += w * lum * lum;
-        s->var += w * (double)says.var;
-        s->w2 += w * w;
-    }
-    w *= (double)factor;
-    s->E[0] += w * (double)says.E.r;
-    s->E[1] += w * (double)says.E.g;
-    s->E[2] += w * (double)says.E.b;
+    if (!is_parted(s, it, u, v, dist))
+        add_says(s, it, &says, factor, dist, turn);
 }
 
 /* Is nothing more to be learned, whatever the records that come next are? */
