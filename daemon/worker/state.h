@@ -67,8 +67,8 @@ struct wpeer {
  * if the coordinator is ahead. */
 #define WJOB_PASSES (2 * MSG_OPEN_PASSES)
 
-/* A job at this worker.  When the coordinator starts it again, any state but
- * LOADING and READY becomes FETCHING.
+/* A job at this worker.  Started again, any state but LOADING and READY becomes
+ * FETCHING; FETCHING and NO_ROOM become IDLE if a file cannot be had.
  *
  *   FETCHING -- all files are here --> LOADING -- the child's READY --> READY
  *    |                                    '-- the child is gone --.------'
@@ -86,7 +86,7 @@ struct wjob {
     struct wjob *next;
     uint8_t id[MSG_JOB];
     char hex[MSG_JOB_HEX];
-    enum wjob_state state;
+    enum wjob_state state;  /* changed by wjob_step() alone */
     bool started;           /* the coordinator has sent JOB_START on this
                              * connection */
     uint32_t memory_mib;    /* limit for its child; 0: none of its own */

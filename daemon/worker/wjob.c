@@ -9,6 +9,7 @@
 #include "worker/wjob.h"
 
 #include "machine/shelf.h"
+#include "machine/steps.h"
 #include "worker/state.h"
 
 #include "base/list.h"
@@ -16,6 +17,25 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
+
+const struct steps wjob_steps = {
+    WJOB_IDLE + 1,
+    {
+        [WJOB_FETCHING] = { "fetching", STEP(WJOB_NO_ROOM) |
+                                            STEP(WJOB_LOADING) |
+                                            STEP(WJOB_IDLE) },
+        [WJOB_NO_ROOM] = { "no-room", STEP(WJOB_FETCHING) | STEP(WJOB_IDLE) },
+        [WJOB_LOADING] = { "loading", STEP(WJOB_READY) | STEP(WJOB_IDLE) },
+        [WJOB_READY] = { "ready", STEP(WJOB_IDLE) },
+        [WJOB_IDLE] = { "idle", STEP(WJOB_FETCHING) },
+    },
+};
+
+void
+wjob_step(struct wjob *job, enum wjob_state to)
+{
+    job->state = (enum wjob_state)steps_take(&wjob_steps, job->state, to);
+}
 
 /* --- units and results of a job --- */
 
@@ -218,7 +238,7 @@ wjob_spawn(struct worker *w, struct wjob *job)
     struct action *a;
 
     job->child = worker_new_conn(w);
-    job->state = WJOB_LOADING;
+    wjob_step(job, WJOB_LOADING);
     job->heard_ms = w->awake_ms;
     job->held = false;
     job->tally = (struct msg_tally){ 0 };
@@ -256,7 +276,7 @@ wjob_send_lost(struct worker *w, struct wjob *job, int status, const char *text)
             list[m.lost.nunits++] = job->attempts[i].unit;
     worker_send_coord(w, &m);
     wjob_drop_attempts(job);
-    job->state = WJOB_IDLE;
+    wjob_step(job, WJOB_IDLE);
 }
 
 void

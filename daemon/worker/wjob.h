@@ -6,6 +6,13 @@
 
 #include "worker/state.h"
 
+struct steps;
+
+/* Which state may follow which, as drawn in state.h. */
+extern const struct steps wjob_steps;
+/* Change the job's state; the step must be in wjob_steps. */
+void wjob_step(struct wjob *job, enum wjob_state to);
+
 /* Is the JOB_START of this very job, and not of another job of the same id?  A
  * deleted job's id may be given to a new job while the worker is not connected,
  * and a job that the coordinator did not keep may begin with another cache when

@@ -26,7 +26,7 @@ child_ready(struct worker *w, struct wjob *job, const struct msg *m)
 
     if (job->state != WJOB_LOADING)
         return;
-    job->state = WJOB_READY;
+    wjob_step(job, WJOB_READY);
     job->ready = m->ready;
     job->ready.job = ready.ready.job = job->id;
     job->ready.passes = ready.ready.passes = 0;
@@ -97,7 +97,7 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
     worker_send_coord(w, &failed);
     wjob_kill_child(w, job);
     wjob_drop_attempts(job);
-    job->state = WJOB_IDLE;
+    wjob_step(job, WJOB_IDLE);
 }
 
 /* Pass on records of the child. */

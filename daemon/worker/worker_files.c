@@ -97,7 +97,6 @@ fetch(struct worker *w, struct wjob *job)
         w->actions.failed = true;
         return;
     }
-    job->state = WJOB_FETCHING;
     job->look_delay_ms = 0;
     job->nmissing = 0;
     for (uint32_t i = 0; i < job->nfiles; i++) {
@@ -159,23 +158,21 @@ fail_job(struct worker *w, struct wjob *job, int status, const char *text)
                      .failed = { job->id, (uint16_t)status, text } };
 
     worker_send_coord(w, &m);
-    job->state = WJOB_IDLE;
+    wjob_step(job, WJOB_IDLE);
 }
 
 /* The job's files find no room, or cannot be written: try again later. */
 static void
 wait_for_room(struct worker *w, struct wjob *job, int status, const char *text)
 {
-    bool told = job->state == WJOB_NO_ROOM;
-
     if (w->env.one_disk) {
         fail_job(w, job, status, text);
         return;
     }
-    job->state = WJOB_NO_ROOM;
     look_later(w, job);
-    if (told)
-        return;
+    if (job->state == WJOB_NO_ROOM)
+        return; /* the coordinator was told */
+    wjob_step(job, WJOB_NO_ROOM);
     actions_log(&w->actions, ACT_WARN, "job refused job=%s why=%s", job->hex,
                 text);
     say_room(w, job, false, text);
@@ -188,7 +185,7 @@ static void
 offer_again(struct worker *w, struct wjob *job)
 {
     actions_log(&w->actions, ACT_INFO, "room again job=%s", job->hex);
-    job->state = WJOB_IDLE;
+    wjob_step(job, WJOB_IDLE);
     say_room(w, job, true, "");
     if (w->env.leave)
         w->env.leave(w->env.arg, job->id);
@@ -210,7 +207,8 @@ look_for(struct worker *w, struct wjob *job)
 void
 files_look(struct worker *w, struct wjob *job)
 {
-    job->state = WJOB_FETCHING;
+    if (job->state != WJOB_FETCHING)
+        wjob_step(job, WJOB_FETCHING);
     look_for(w, job);
 }
 

@@ -1,5 +1,6 @@
 /* check_states.c - the states of jobs, their frames, their units, attempts at
- * these, and workers' parts in a job, and what may follow what */
+ * these, workers' parts in a job and jobs at a worker, and what may follow what
+ */
 #include "config.h"
 
 #include "jobs/attempt.h"
@@ -7,6 +8,7 @@
 #include "jobs/part.h"
 #include "jobs/unit.h"
 #include "machine/steps.h"
+#include "worker/wjob.h"
 #include "tests/unit.h"
 
 #include <signal.h>
@@ -79,6 +81,15 @@ take_place(int from, int to)
     return (int)job.place;
 }
 
+static int
+take_wjob(int from, int to)
+{
+    struct wjob job = { .state = (enum wjob_state)from };
+
+    wjob_step(&job, (enum wjob_state)to);
+    return (int)job.state;
+}
+
 static const struct machine machines[] = {
     { &attempt_steps,
       take_attempt,
@@ -108,6 +119,10 @@ static const struct machine machines[] = {
       take_place,
       { "arriving: opening open filed", "opening: no-room open kept",
         "no-room: open kept", "open: kept", "kept: filed", "filed:" } },
+    { &wjob_steps,
+      take_wjob,
+      { "fetching: no-room loading idle", "no-room: fetching idle",
+        "loading: ready idle", "ready: idle", "idle: fetching" } },
 };
 
 /* Does a line of steps begin with that state, and have the other? */
