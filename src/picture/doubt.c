@@ -551,7 +551,6 @@ with_key(const struct rad_frame *f, uint64_t which)
 
     out.key = rad_key_branch(f->key ^ BRANCH, which);
     out.stamp = rad_key_branch(f->stamp ^ BRANCH, which) | 1;
-    out.depth = false;
     return out;
 }
 

@@ -218,7 +218,6 @@ rad_refine_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
     c.key = rad_key_branch(c.frame.key ^ BRANCH, tile);
     c.frame.key ^= BRANCH;
     c.frame.stamp = (c.frame.stamp ^ BRANCH) | 1;
-    c.frame.depth = false;
     ok = check_all(&c, tile, nframes);
     ctx->counts.primary_rays = before.primary_rays;
     ctx->counts.nan_pixels = before.nan_pixels;

@@ -100,6 +100,31 @@ TEST(a_true_picture_has_no_error)
     }
 }
 
+/* Bulbs narrower than a pixel, before a wall that is as bright: with -z their
+ * distance tells them from the wall, in the picture and when made again. */
+TEST(with_distances_small_lamps_are_painted_again_as_they_were)
+{
+    static const char bright[] =
+        "void glow same 0 0 4 2 2 2 0\n"
+        "same polygon wall 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9\n"
+        "void light lamp 0 0 3 2 2 2\n"
+        "lamp sphere bulb1 0 0 4 .03 0 .03 .02\n"
+        "lamp sphere bulb2 0 0 4 1.03 0 .03 .02\n"
+        "lamp sphere bulb3 0 0 4 -1.03 0 .03 .02\n"
+        "lamp sphere bulb4 0 0 4 .03 0 1.03 .02\n"
+        "lamp sphere bulb5 0 0 4 .03 0 -1.03 .02\n";
+    const struct rad_doubt_share all = { INFINITY, 0 };
+    struct rad_doubt d;
+
+    picture_close(&pic);
+    world_open(&pic.w, bright, PURE);
+    world_frame(&pic.w, "-vp 0 -4 0 -vd 0 1 0 -vh 60 -vv 60", true, &pic.frame);
+    picture_render(&pic);
+    ck_assert_uint_gt(pic.w.ctx.counts.paint_rays, 0);
+    d = look(3, all);
+    ck_assert_double_lt(rad_doubt_error(&d).all, 1e-6);
+}
+
 /* All of it too bright, or a part of it that has contrast, or has none. */
 static const struct {
     int x0, y0, x1, y1;
