@@ -89,6 +89,13 @@ sort -u "$tmp/used" | awk '
           if (gone[name]) print $1 ":" $2 ": " name }' |
     tell "files that are named and not there"
 
+# --- README.md is installed beside what it links to ---
+grep -oE '\]\(doc/[^)]*' README.md | sed 's/.*(//' | sort -u |
+    while read -r name; do
+        sed -n '/^dist_pages_DATA/,/[^\\]$/p' doc/local.mk |
+            grep -q "^[[:blank:]]$name\( \|\$\)" || echo "$name"
+    done | tell "pages and pictures of README.md that are not installed"
+
 # --- sizes ---
 grep '\.h$' "$tmp/files" | xargs wc -l |
     awk '$2 != "total" && $1 > 200 { print $2 ": " $1 " lines" }' |
