@@ -112,7 +112,7 @@ standard_text(const struct rif_zone *z, const struct standard *s, int up,
 }
 
 /* Set the view's options.  RAD_EDATA: the text is only a name, and not that of
- * a standard view. */
+ * a standard view, or has a second word that is no option. */
 static int
 set_words(struct rif *r, const struct rif_zone *z, struct rif_view *v,
           const char *text, struct rad_error *err)
@@ -127,6 +127,11 @@ set_words(struct rif *r, const struct rif_zone *z, struct rif_view *v,
         return rc;
     if (!buf)
         return rad_fail_memory(err);
+    if (text[0] != '-' && !strchr("-@'\"", *more))
+        return rad_fail(err, RAD_EDATA,
+                        "view '%.*s': '%.40s' is no option, and a view's name "
+                        "is one word",
+                        (int)(len < 40 ? len : 40), text, more);
     if (text[0] == '-')
         snprintf(buf, room, "%s", text);
     else if (is_standard(text, len, &s))

@@ -309,6 +309,8 @@ static const struct {
     { "view= a -vh 1", "c", NULL },
     { "view= a -vh 1", "2", NULL },
     { "view= a", NULL, NULL },
+    { "view= my room -vp 1 2 3", NULL, NULL },
+    { "view= X from here", NULL, NULL },
     { "view= a -vh 1\nview= a -vh 2", NULL, NULL },
     { "view= 2 -vh 1\nview= -vh 2", NULL, NULL },
     { "UP= Q\nview= X", NULL, NULL },

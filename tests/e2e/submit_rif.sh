@@ -166,6 +166,11 @@ refused 65 "room.rif: REPORT: expected minutes" room.rif "REP=often said"
 refused 64 "bad.rif:14: unknown option '-vq'" bad.rif
 {
     cat room.rif
+    echo 'view= my room -vp 1 1 1'
+} >bad.rif
+refused 65 "bad.rif:14: view 'my': 'room -vp 1 1 1' is no option" bad.rif
+{
+    cat room.rif
     echo 'render= -dt none'
 } >bad.rif
 refused 64 "bad.rif:14: option '-dt'" bad.rif
