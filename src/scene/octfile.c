@@ -304,7 +304,7 @@ rad_octfile_load(const char *path, struct rad_error *err)
     s = rad_scene_new();
     if (!s) {
         rad_fail_memory(err);
-    } else if (rad_octfile_read(s, NULL, &in, path, err)) {
+    } else if (rad_octfile_read(s, NULL, &in, "the scene", err)) {
         rad_scene_free(s);
         s = NULL;
     }

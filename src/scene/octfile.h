@@ -76,7 +76,8 @@ int rad_octfile_read(struct rad_scene *s, struct rad_octree *tree,
                      struct rad_error *err);
 
 /* Load the scene of the frozen octree file at path, without the tree.  NULL and
- * *err on failure (RAD_ENOINPUT: the file cannot be opened). */
+ * *err on failure (RAD_ENOINPUT: the file cannot be opened).  Its objects are
+ * said to be of "the scene". */
 struct rad_scene *rad_octfile_load(const char *path, struct rad_error *err);
 
 /* A real after Radiance's programs have stored it in a frozen octree and read

@@ -10,7 +10,9 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char text[] =
     "void brightfunc pat 2 1+.1*x . 0 0\n"
@@ -334,4 +336,19 @@ TEST(a_missing_file_is_no_input)
 
     ck_assert_ptr_null(rad_octfile_load("/nonexistent/x.oct", &err));
     ck_assert_int_eq(err.code, RAD_ENOINPUT);
+}
+
+/* The file that it is loaded from has a name that says nothing to a user. */
+TEST(what_is_wrong_in_a_loaded_scene_is_wrong_in_the_scene)
+{
+    struct rad_error err = { 0 };
+    char path[] = "check_octfile.XXXXXX";
+    int fd = mkstemp(path);
+
+    ck_assert_int_ge(fd, 0);
+    ck_assert_int_eq(write(fd, by_hand, 40), 40);
+    close(fd);
+    ck_assert_ptr_null(rad_octfile_load(path, &err));
+    unlink(path);
+    ck_assert_str_eq(err.where, "the scene");
 }
