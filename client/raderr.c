@@ -2,17 +2,20 @@
 #include "config.h"
 
 #include "common/inputs.h"
+#include "common/option.h"
 #include "common/outname.h"
 #include "common/tell.h"
+#include "base/list.h"
 #include "base/output.h"
 #include "show/picfile.h"
 #include "tone/falsecolour.h"
 #include "image/metric.h"
-#include "base/number.h"
 #include "image/png.h"
 #include "image/spectrum.h"
 #include "scene/file/specpict.h"
 
+#include <limits.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,22 +30,6 @@ static const char usage_text[] =
     "       raderr --mean=OUT.hdr [-d N] PICTURE.hdr...\n"
     "       raderr --help | --version\n";
 
-static const char help_text[] =
-    "\n"
-    "Prints mean_ratio, nrmse, log_rmse, p50, p95, p99.9, max and maxabs of\n"
-    "TEST against REF, in units of radiance; raderr(1) defines them.\n"
-    "  -1      all on one line\n"
-    "  -b N    average N by N pixels of both first\n"
-    "  -c X    clip both at X times REF's mean\n"
-    "  -d N    average N by N pixels of TEST first: it is N times larger\n"
-    "  --map=OUT.png           write the difference in false colour\n"
-    "  --false-colour=OUT.png  write the luminance in false colour, with a\n"
-    "                          legend in cd/m2, or lux of irradiance\n"
-    "  --scale=SCALE           of that: auto or a number, and behind it\n"
-    "                          ,log=DECADES ,n=DIVISIONS ,label=TEXT\n"
-    "                          ,contour=lines|bands|steps (auto)\n"
-    "  --mean=OUT.hdr          write the mean of the pictures, reduced by -d\n";
-
 struct task {
     struct rad_metric_options metric;
     bool one_line;
@@ -55,78 +42,50 @@ struct task {
 /* --- the command line ------------------------------------------------------
  */
 
-static int
-bad_value(const char *option, const char *what, const char *text,
-          struct rad_error *err)
+static const struct option options[] = {
+    { "-1", OPTION_FLAG, offsetof(struct task, one_line), NULL,
+      "all on one line", .with = NULL },
+    { "-b", OPTION_INT, offsetof(struct task, metric.block), "N",
+      "average N by N pixels of both first", .lo = 1, .hi = INT_MAX },
+    { "-c", OPTION_REAL, offsetof(struct task, metric.clip), "X",
+      "clip both at X times REF's mean", .lo = 0, .hi = 1e30 },
+    { "-d", OPTION_INT, offsetof(struct task, metric.down), "N",
+      "average N by N pixels of TEST first: it is N times larger", .lo = 1,
+      .hi = INT_MAX },
+    { "--map", OPTION_TEXT, offsetof(struct task, map), "OUT.png",
+      "write the difference in false colour", .with = NULL },
+    { "--false-colour", OPTION_TEXT, offsetof(struct task, false_colour),
+      "OUT.png",
+      "write the luminance in false colour, with a legend in cd/m2, or lux of "
+      "irradiance",
+      .with = NULL },
+    { "--scale", OPTION_TEXT, offsetof(struct task, scale), "SCALE",
+      "of that: auto or a number, and behind it ,log=DECADES ,n=DIVISIONS "
+      ",label=TEXT ,contour=lines|bands|steps (auto)",
+      .with = NULL },
+    { "--mean", OPTION_TEXT, offsetof(struct task, mean), "OUT.hdr",
+      "write the mean of the pictures, reduced by -d", .with = NULL },
+};
+
+static void
+help(void)
 {
-    return rad_fail(err, RAD_EUSAGE, "option '%s': expected %s, got '%.40s'",
-                    option, what, text);
-}
-
-/* Take "--map=FILE" or "--map FILE".  Returns the words used, 0 if it is
- * another option. */
-static int
-file_option(const char *name, const char **file, int argc, char **argv)
-{
-    size_t n = strlen(name);
-
-    if (strncmp(argv[0], name, n) != 0)
-        return 0;
-    if (argv[0][n] == '=') {
-        *file = argv[0] + n + 1;
-        return 1;
-    }
-    if (argv[0][n] != '\0' || argc < 2)
-        return 0;
-    *file = argv[1];
-    return 2;
-}
-
-static int
-number_option(struct task *t, int argc, char **argv, struct rad_error *err)
-{
-    int *field = argv[0][1] == 'b' ? &t->metric.block : &t->metric.down;
-
-    if (argc < 2)
-        return rad_fail(err, RAD_EUSAGE, "option '%s': expected a value",
-                        argv[0]);
-    if (argv[0][1] == 'c') {
-        if (!rad_parse_real(argv[1], &t->metric.clip) || t->metric.clip < 0)
-            return bad_value("-c", "a number of 0 or more", argv[1], err);
-    } else if (!rad_parse_int(argv[1], field) || *field < 1) {
-        return bad_value(argv[0], "a whole number above 0", argv[1], err);
-    }
-    return 2;
+    printf("%s\nPrints mean_ratio, nrmse, log_rmse, p50, p95, p99.9, max and "
+           "maxabs of\nTEST against REF, in units of radiance; raderr(1) "
+           "defines them.\n",
+           usage_text);
+    option_help(options, N_ELEM(options), stdout);
 }
 
 static int
-take_option(struct task *t, int argc, char **argv, struct rad_error *err)
+take_option(struct task *t, char *const argv[], struct rad_error *err)
 {
-    int used;
+    const struct option *o = option_find(options, N_ELEM(options), argv[0]);
 
-    if (strcmp(argv[0], "-1") == 0) {
-        t->one_line = true;
-        return 1;
-    }
-    if (strcmp(argv[0], "-b") == 0 || strcmp(argv[0], "-c") == 0 ||
-        strcmp(argv[0], "-d") == 0)
-        return number_option(t, argc, argv, err);
-    used = file_option("--map", &t->map, argc, argv);
-    if (used == 0)
-        used = file_option("--false-colour", &t->false_colour, argc, argv);
-    if (used == 0)
-        used = file_option("--scale", &t->scale, argc, argv);
-    if (used == 0)
-        used = file_option("--mean", &t->mean, argc, argv);
-    if (used == 0)
+    if (!o)
         return rad_fail(err, RAD_EUSAGE,
-                        "unknown or incomplete option '%.80s'; see raderr "
-                        "--help",
-                        argv[0]);
-    if (*(used == 2 ? argv[1] : strchr(argv[0], '=') + 1) == '\0')
-        return rad_fail(err, RAD_EUSAGE, "option '%.80s': empty value",
-                        argv[0]);
-    return used;
+                        "unknown option '%.80s'; see raderr --help", argv[0]);
+    return option_take(o, t, argv, err);
 }
 
 /* Check the suffixes of outputs: --mean writes RGBE, the others PNG. */
@@ -203,7 +162,7 @@ check_task(const struct task *t, struct rad_error *err)
 static int
 read_options(struct task *t, int argc, char **argv, struct rad_error *err)
 {
-    bool options = true; /* until "--" */
+    bool before = true; /* "--" */
     int used;
 
     t->metric.down = t->metric.block = 1;
@@ -212,11 +171,11 @@ read_options(struct task *t, int argc, char **argv, struct rad_error *err)
         return rad_fail_memory(err);
     for (int i = 1; i < argc; i += used) {
         used = 1;
-        if (!options || argv[i][0] != '-') {
+        if (!before || argv[i][0] != '-') {
             t->file[t->nfiles++] = argv[i];
         } else if (strcmp(argv[i], "--") == 0) {
-            options = false;
-        } else if ((used = take_option(t, argc - i, argv + i, err)) < 0) {
+            before = false;
+        } else if ((used = take_option(t, argv + i, err)) < 0) {
             return used;
         }
     }
@@ -553,7 +512,7 @@ main(int argc, char **argv)
 
     rad_output_guard();
     if (argc > 1 && strcmp(argv[1], "--help") == 0)
-        printf("%s%s", usage_text, help_text);
+        help();
     else if (argc > 1 && strcmp(argv[1], "--version") == 0)
         puts("raderr (radd) " PACKAGE_VERSION);
     else if ((rc = read_options(&t, argc, argv, &err)) == 0)

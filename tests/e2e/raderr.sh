@@ -63,7 +63,7 @@ expect 0 '' --help
 expect 0 '' --version
 expect 64 'expected two pictures' ref.hdr
 cp ref.hdr ./-ref.hdr
-expect 64 "unknown or incomplete option '-ref.hdr'" -ref.hdr ref.hdr
+expect 64 "unknown option '-ref.hdr'" -ref.hdr ref.hdr
 "$raderr" -b 1 -- -ref.hdr ref.hdr >out 2>&1 || fail "--: $(cat out)"
 expect 64 'no picture' --mean=mean.hdr
 expect 64 'only one' --mean=mean.hdr --map=map.png ref.hdr
@@ -83,6 +83,8 @@ expect 64 "'mean.hdr' is one of the pictures" --mean=mean.hdr ref.hdr mean.hdr
 expect 64 'unknown' -x ref.hdr ref.hdr
 expect 64 "option '-b'" -b 0 ref.hdr ref.hdr
 expect 64 "option '-c'" -c abc ref.hdr ref.hdr
+expect 64 "option '-c': missing value" ref.hdr ref.hdr -c
+expect 64 "option '--map': missing value" ref.hdr ref.hdr --map
 expect 65 'not a multiple' -d 3 test.hdr ref.hdr
 expect 65 'sizes differ' -d 2 test.hdr ref.hdr
 expect 65 'not a Radiance picture' map.png ref.hdr

@@ -66,7 +66,7 @@ expect 64 "--scale is for --false-colour" "a scale alone" \
 expect 64 "is no part of a scale" "raderr's scale" \
     "$raderr" --false-colour=x.png --scale=ten a.hdr
 [ "$(wc -l <stderr)" = 1 ] || fail "more than a line: $(cat stderr)"
-expect 64 "option '--false-colour=': empty value" "no name" \
+expect 64 "option '--false-colour': empty value" "no name" \
     "$raderr" --false-colour= a.hdr
 expect 64 "expected two pictures, got 0; see raderr --help" "no picture" \
     "$raderr"
