@@ -120,10 +120,8 @@ LOOP_TEST(booleans_set_clear_and_toggle, N_ELEM(switches))
 
 TEST(what_is_less_than_0_counts_as_0_where_rpict_takes_it_so)
 {
-    struct rad_params p, q;
+    struct rad_params q = p;
 
-    rad_params_init(&p);
-    q = p;
     ck_assert_int_gt(take(&p,
                           "-pm -1 -pd -.1 -dt -.1 -ds -1 -dr -1 -dp -2 -st -1 "
                           "-aw -3 -ab -1 -aa -.1 -ar -1 -ad -5 -as -1 -ms -1 "
