@@ -3,6 +3,7 @@
 
 #include "link/roll.h"
 
+#include <errno.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <string.h>
@@ -35,10 +36,13 @@ int
 roll_page(struct roll *r, const struct msg_answer *answer, uint64_t *next,
           struct rad_error *err)
 {
-    json_t *page =
-        answer ? json_loadb((const char *)answer->text, answer->len, 0, NULL)
-               : NULL;
+    json_t *page;
 
+    errno = 0;
+    page = answer ? json_loadb((const char *)answer->text, answer->len, 0, NULL)
+                  : NULL;
+    if (!page && errno == ENOMEM) /* else jansson does not tell */
+        return rad_fail_memory(err);
     if (!page)
         return rad_fail(err, RAD_EPROTO,
                         "the coordinator's answer is no list of workers");
