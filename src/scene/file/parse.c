@@ -13,6 +13,7 @@
 #include "scene/file/parse.h"
 
 #include "base/number.h"
+#include "base/text.h"
 #include "scene/file/lex.h"
 
 #include <limits.h>
@@ -220,6 +221,8 @@ advise(const struct reader *r, const char *word)
     const char *end = strrchr(r->parser->scene->files[r->file], '.');
     double number;
 
+    if (rad_text_mark(word, strlen(word)) > 0)
+        return ": a byte-order mark is before it: save its file without";
     for (size_t i = 0; end && i < sizeof other_files / sizeof *other_files; i++)
         if (strcasecmp(end, other_files[i].end) == 0)
             return other_files[i].advice;

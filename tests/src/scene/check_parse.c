@@ -239,7 +239,8 @@ static const struct {
     { MAT "\n m spheer s 0 0 4 0 0 0 1", "a.rad:3: unknown type 'spheer'" },
     { MAT "m", "a.rad:2: text ends where a type is expected" },
     { MAT "\xef\xbb\xbf m sphere s 0 0 4 0 0 0 1",
-      "a.rad:2: undefined modifier '?'" }, /* not at the beginning */
+      "a.rad:2: undefined modifier '?': a byte-order mark is before it: save "
+      "its file without" }, /* as xform copies it from there */
     { MAT "m sphere", "a.rad:2: text ends where a name is expected" },
     { MAT "m sphere s 0 0",
       "a.rad:2: sphere 's': text ends where the number of real arguments is "
