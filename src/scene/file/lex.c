@@ -57,8 +57,9 @@ refill(struct rad_lex *lex, struct rad_error *err)
 static int
 peek(struct rad_lex *lex, struct rad_error *err)
 {
-    if (lex->pos == lex->len && !refill(lex, err))
-        return END;
+    while (lex->pos == lex->len) /* again if a buffer has a mark alone */
+        if (!refill(lex, err))
+            return END;
     return lex->buf[lex->pos];
 }
 
