@@ -170,8 +170,8 @@ say_of_trial(struct program *p)
 
     if (p->o.dry_run && p->frames.n > 0 && q->ambounce > 0 &&
         q->ambdiv >= MANY_RAYS)
-        program_news(p, "tracing some of the pixels, which may take minutes "
-                        "with these options");
+        program_news(p, "the trial traces some of the pixels, which may take "
+                        "minutes with these options");
 }
 
 /* The thread cannot be stopped.  It may be writing files, so our folder is left
